@@ -18,14 +18,21 @@ Disc = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class RouteStop:
-    """A place (x, y, height) in metres to reach at ``speed_m_s`` and to wait at for ``hold_s`` (0 or more).
+    """A place (x, y, height) in metres to reach at ``speed_m_s`` and to stay at for ``hold_s`` (0 or more).
 
-    speed_m_s: more than 0; None where the robot is there already.
+    speed_m_s: more than 0; None where the robot is there already. turn_s: of hold_s, how long the robot turns at the
+    end of it, where that is told apart: a robot that turns by itself is to wait for the rest only.
     """
 
     place_m: Place3
     speed_m_s: float | None
     hold_s: float = 0.0
+    turn_s: float = 0.0
+
+    @property
+    def wait_s(self) -> float:
+        """How long the robot stands there before it turns."""
+        return self.hold_s - self.turn_s
 
 
 @dataclass(frozen=True, kw_only=True)

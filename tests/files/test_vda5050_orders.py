@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import islice
 from typing import Any
@@ -16,8 +17,9 @@ from vda5050.validation.schema_validator import SchemaValidator
 
 from rota.driven_route import from_start
 from rota.errors import PlanError
-from rota.files.vda5050_orders import Vehicle, Window, base_end, order_message, order_messages
-from rota.route import Route, route_of
+from rota.files.vda5050_orders import NumberedStops, Span, Vehicle, Window, base_end, order_message, order_messages
+from rota.files.vda5050_versions import Protocol, WaitAction
+from rota.route import Route, RouteStop, route_of
 
 ORDER = "0c6c9a2e-order"
 VEHICLE = Vehicle(serial_number="robot-1", manufacturer="Rota", map_id="quay")
@@ -32,7 +34,8 @@ def routes() -> tuple[Route, Route]:
 
 
 def messages(route: Route, window: Window, count: int) -> list[dict[str, Any]]:
-    made = order_messages(route, VEHICLE, ORDER, window=window, timestamp=lambda first: f"{first:04d}-01-01T00:00:00Z")
+    stops = NumberedStops(route)
+    made = order_messages(stops, VEHICLE, ORDER, window=window, timestamp=lambda first: f"{first:04d}-01-01T00:00:00Z")
     return list(islice(made, count))
 
 
@@ -108,14 +111,64 @@ def test_names_and_numbers_that_vda5050_cannot_hold_are_refused() -> None:
         replace(VEHICLE, manufacturer="a/b")
     with pytest.raises(PlanError, match="map id '': VDA 5050"):
         replace(VEHICLE, map_id="")
-    looping, _ = routes()
+    looping = NumberedStops(routes()[0])
     with pytest.raises(PlanError, match="order id 'a b': VDA 5050"):
-        order_message(looping, VEHICLE, "a b", update=0, first=0, window=Window(), timestamp=NOW)
+        order_message(looping, VEHICLE, "a b", update=0, span=Span(first=0, released=1, last=1), timestamp=NOW)
     most = 2**32 - 1
-    ends = order_message(
-        looping, VEHICLE, ORDER, update=7, first=most // 2 - 1, window=Window(released=1, announced=0), timestamp=NOW
-    )
+    span = Span(first=most // 2 - 1, released=most // 2, last=most // 2)
+    ends = order_message(looping, VEHICLE, ORDER, update=7, span=span, timestamp=NOW)
     assert SchemaValidator().errors("order", ends) == []
     assert ends["nodes"][-1]["sequenceId"] == most - 1
+    over = Span(first=most // 2, released=most // 2, last=most // 2 + 1)
     with pytest.raises(PlanError, match="robot a: the order has used up VDA 5050's sequence ids"):
-        order_message(looping, VEHICLE, ORDER, update=7, first=most // 2, window=Window(), timestamp=NOW)
+        order_message(looping, VEHICLE, ORDER, update=7, span=over, timestamp=NOW)
+
+
+@pytest.mark.parametrize("released", [1, 2, 3, 4, 50])
+def test_what_is_released_ends_where_nobody_waits(released: int) -> None:
+    looping, _ = routes()
+    for message in messages(looping, Window(released=released, announced=3), 20):
+        first, last = message["nodes"][0], [node for node in message["nodes"] if node["released"]][-1]
+        assert first["actions"] == last["actions"] == []
+        assert message["edges"]
+
+
+def test_where_every_stop_waits_what_is_released_ends_at_one_that_does() -> None:
+    looping, _ = routes()
+    waiting = [replace(stop, hold_s=2.0) for stop in looping.loop]
+    sent = messages(replace(looping, loop=tuple(waiting)), Window(released=2, announced=1), 9)
+    assert sent[0]["nodes"][2]["actions"] == sent[1]["nodes"][0]["actions"] != []
+    drive(sent, "quay")
+
+
+def test_a_robot_waits_for_what_its_turns_leave_of_a_stop() -> None:
+    square = [(0, 0), (10, 0), (10, 10), (0, 10)]
+    loop = [RouteStop(place_m=(x, y, 0.0), speed_m_s=1.0, hold_s=4.0) for x, y in square]
+    closing = replace(loop[0], hold_s=0.0)
+    route = Route(robot="a", start_m=(-5, 0, 0), approach=(), loop=tuple(loop), closing=closing)
+    # it comes in straight on, and turns by a right angle at each corner, which takes pi / 2 s at 1 rad/s
+    stops = NumberedStops(route, turn_rate_rad_s=1.0)
+    assert [stop.turn_s for stop in stops.once] == [0, 0]
+    assert [stop.turn_s for stop in stops.every_round] == pytest.approx([math.pi / 2] * 4)
+    (order,) = islice(order_messages(stops, VEHICLE, ORDER, window=Window(), timestamp=lambda _: NOW), 1)
+    waits = [node["actions"][0]["actionParameters"][0]["value"] for node in order["nodes"] if node["actions"]]
+    assert waits == pytest.approx([4.0, *[4 - math.pi / 2] * 4])
+    # a hold that the turn takes up, as plans have it, is no wait at all
+    quick = NumberedStops(route, turn_rate_rad_s=math.pi / 8)
+    assert [stop.wait_s for stop in quick.every_round] == [0, 0, 0, 0]
+
+
+def test_version_3_has_edges_without_ends_and_vehicles_wait_as_they_can() -> None:
+    looping, _ = routes()
+    lift = WaitAction(name="linger", parameter="forSeconds", whole=True)
+    spoken = replace(VEHICLE, protocol=Protocol(version="3.0.0"), wait=lift)
+    stops = NumberedStops(looping)
+    (order,) = list(islice(order_messages(stops, spoken, ORDER, window=Window(), timestamp=lambda _: NOW), 1))
+    assert order["version"] == "3.0.0"
+    assert set(order["edges"][0]) == {"edgeId", "sequenceId", "released", "maximumSpeed", "actions"}
+    waits = [node["actions"] for node in order["nodes"] if node["actions"]]
+    assert [(action["actionType"], action["actionParameters"]) for (action,) in waits] == [
+        ("linger", [{"key": "forSeconds", "value": 1}])
+    ]
+    triggered = WaitAction(name="waitForTrigger", parameter=None).action("a", 3.0)
+    assert triggered["actionParameters"] == [{"key": "triggerType", "value": ["FLEET_CONTROL"]}]

@@ -41,7 +41,8 @@ def two() -> Plan:
 
 def with_link(port: int, plan: Plan, agvs: list[Agv], what: Callable[[Any], Awaitable[Any]], **own: Any) -> Any:
     """What comes of doing something with a link to the vehicles."""
-    given = {"port": port, "answer_s": 10, "released": 3, "announced": 2, **own}
+    # these vehicles hop from node to node without waiting, which only those may that are told to wait
+    given = {"port": port, "answer_s": 10, "released": 3, "announced": 2, "wait_action": "wait:duration", **own}
 
     async def run() -> Any:
         async with driving(port, *agvs):
@@ -306,7 +307,9 @@ def test_a_broker_that_goes_away_and_comes_back_is_found_again(tmp_path: Path, m
 
     async def run() -> None:
         with broker(tmp_path) as number:
-            link = make_link("vda5050", plan, [f"port={number}", "released=2", "announced=1"])
+            link = make_link(
+                "vda5050", plan, [f"port={number}", "released=2", "announced=1", "wait_action=wait:duration"]
+            )
             async with driving(number, agv):
                 await link.open()
                 await send_and_start(link, plan)

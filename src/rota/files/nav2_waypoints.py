@@ -17,8 +17,10 @@ import numpy as np
 from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.robot_files import write_contents
+from rota.fleet import Robot
 from rota.plan import Floats, Plan, Trajectory
 from rota.route import RouteStop, route_of, start_height_m
+from rota.turning import with_turning
 
 FRAME = "map"
 APPROACH, LOOP, PATH = ".approach.yaml", ".loop.yaml", ".path.yaml"
@@ -30,18 +32,22 @@ def write_nav2_waypoints(plan: Plan, folder: str | os.PathLike[str]) -> tuple[Pa
 
     ``ROBOT.approach.yaml``: the waypoints from the start until the loop begins; ``ROBOT.loop.yaml``: those of one
     round, to be driven again and again, or the place where the robot stays; ``ROBOT.path.yaml``: both as a Path.
-    Each waypoint has, beside its pose, ``speed_m_s`` to reach it with and ``wait_s`` to stay there, for clients that
-    drive at given speeds: Nav2 itself knows neither. Poses of the path have the seconds since the start as stamps.
+    Each waypoint has, beside its pose, ``speed_m_s`` to reach it with and ``wait_s`` to stand there before the robot
+    turns, for clients that drive at given speeds: Nav2 itself knows neither, and turns by itself. Poses of the path
+    have the seconds since the start as stamps.
 
     Raises PlanError for times beyond 2^31 s and for robots whose names give the same file name, RotaError when the
     folder cannot be written to. Nothing is written on errors of the plan.
     """
-    return write_contents(
-        plan, folder, lambda trajectory: {name: text.encode() for name, text in nav2_texts(trajectory).items()}
-    )
+
+    def contents(trajectory: Trajectory) -> dict[str, bytes]:
+        texts = nav2_texts(trajectory, plan.mission.fleet.robot(trajectory.robot))
+        return {name: text.encode() for name, text in texts.items()}
+
+    return write_contents(plan, folder, contents)
 
 
-def nav2_texts(trajectory: Trajectory) -> dict[str, str]:
+def nav2_texts(trajectory: Trajectory, robot: Robot) -> dict[str, str]:
     """One robot's texts by the suffixes of their files. Raises PlanError as ``write_nav2_waypoints``."""
     if trajectory.times_s[-1] > MOST_SECONDS:
         raise PlanError(
@@ -50,10 +56,10 @@ def nav2_texts(trajectory: Trajectory) -> dict[str, str]:
         )
     # nothing is said of heights on the ground
     route = route_of(trajectory, start_height_m(trajectory, 0.0))
-    once, loop = from_start(route), route.every_round or from_start(route)[-1:]
+    once, every_round = with_turning(from_start(route), route.every_round, robot.turn_rate_rad_s)
     return {
-        APPROACH: _waypoints_text(once, before=[], after=route.every_round[:1]),
-        LOOP: _waypoints_text(loop, before=once, after=route.every_round[:1]),
+        APPROACH: _waypoints_text(once, before=[], after=every_round[:1]),
+        LOOP: _waypoints_text(every_round or once[-1:], before=once, after=every_round[:1]),
         PATH: _path_text(trajectory),
     }
 
@@ -69,7 +75,7 @@ def _waypoints_text(stops: Sequence[RouteStop], before: Sequence[RouteStop], aft
         lines.append(f"  waypoint{number}:\n    pose: [{x}, {y}, {z}]\n    orientation: [{w}, 0.0, 0.0, {turned}]\n")
         if stop.speed_m_s is not None:
             lines.append(f"    speed_m_s: {yaml_number(stop.speed_m_s)}\n")
-        lines.append(f"    wait_s: {yaml_number(stop.hold_s)}\n")
+        lines.append(f"    wait_s: {yaml_number(stop.wait_s)}\n")
     return "".join(lines)
 
 

@@ -18,7 +18,9 @@ from rota.driven_route import DURATION_S, from_start, rounds_within
 from rota.errors import PlanError
 from rota.files.robot_files import write_robot_files
 from rota.files.timed_places import START, instant_text, require_dated
-from rota.files.vda5050_orders import Vehicle, Window, base_end, order_messages
+from rota.files.vda5050_orders import NumberedStops, Vehicle, Window, base_end, order_messages
+from rota.files.vda5050_versions import SPOKEN, Protocol, WaitAction, protocol_of, wait_action_given
+from rota.fleet import Robot
 from rota.plan import Floats, Plan, Trajectory
 from rota.planner_settings import Settings, setting
 from rota.route import Route, route_of
@@ -33,6 +35,23 @@ class OrderSettings(Settings):
     place: ClassVar[str] = "--set"
     duration_s: float = setting(DURATION_S, "how long the orders go on: whole rounds that end within it", above=0)
     manufacturer: str = setting("rota", "the vehicles' manufacturer, which their topics and orders name")
+    version: str = setting("2.1.0", f"of VDA 5050, as the vehicles write it: {SPOKEN}")
+    wait_action: str = setting("wait:duration", "the action that waits, and its parameter that takes seconds")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if protocol_of(self.version) is None:
+            raise PlanError(f"--set.version: {self.version!r} is not allowed; {SPOKEN} are spoken")
+        if self.wait.parameter is None:
+            raise PlanError(
+                f"--set.wait_action: {self.wait_action!r} waits for a trigger, which nobody gives to orders from files;"
+                " NAME:PARAMETER is needed"
+            )
+
+    @property
+    def wait(self) -> WaitAction:
+        """The action that waits."""
+        return wait_action_given(self.wait_action, "--set.wait_action")
 
 
 def write_vda5050_orders(
@@ -50,24 +69,32 @@ def write_vda5050_orders(
     """
 
     settings = settings or OrderSettings()
-    return write_robot_files(plan, folder, SUFFIX, lambda trajectory: orders_text(trajectory, settings, start))
+    return write_robot_files(
+        plan, folder, SUFFIX, lambda each: orders_text(each, settings, start, plan.mission.fleet.robot(each.robot))
+    )
 
 
-def orders_text(trajectory: Trajectory, settings: OrderSettings, start: datetime) -> str:
+def orders_text(trajectory: Trajectory, settings: OrderSettings, start: datetime, robot: Robot) -> str:
     """One robot's messages. The order's id comes from what is ordered, so that another plan is another order."""
     if trajectory.positions_m.shape[1] == 3:
         raise PlanError(f"robot {trajectory.robot}: its positions have heights, of which VDA 5050 knows nothing")
-    vehicle = Vehicle(serial_number=trajectory.robot, manufacturer=settings.manufacturer)
+    vehicle = Vehicle(
+        serial_number=trajectory.robot,
+        manufacturer=settings.manufacturer,
+        protocol=Protocol(version=settings.version),
+        wait=settings.wait,
+    )
     route, window = route_of(trajectory, 0.0), Window()
     arrivals_s = _arrivals_s(route, rounds_within(route, settings.duration_s))
     require_dated(trajectory.robot, start, float(arrivals_s[-1]))
-    order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr(route)))
+    stops = NumberedStops(route, robot.turn_rate_rad_s)
+    order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr((stops.once, stops.every_round))))
 
     def timestamp(first: int) -> str:
         return instant_text(start + timedelta(seconds=float(arrivals_s[max(first - window.released, 0)])))
 
     lines: list[str] = []
-    for message in order_messages(route, vehicle, order_id, window=window, timestamp=timestamp):
+    for message in order_messages(stops, vehicle, order_id, window=window, timestamp=timestamp):
         lines.append(json.dumps(message, allow_nan=False, separators=(",", ":")) + "\n")
         if base_end(message) >= len(arrivals_s) - 1:
             break

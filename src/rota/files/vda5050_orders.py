@@ -1,8 +1,8 @@
 """A route -> VDA 5050 orders: nodes, edges, a released base with a horizon, and updates that go on for ever.
 
-VDA 5050 version 2.1.0, sections 6.6.1, 6.6.2 and 6.7. A message is a dict that JSON can write. Stops are counted
-through the whole drive: those before the loop first, then the loop's again and again. Stop i has the ``sequenceId`` 2 i
-and the edge that leads to it 2 i - 1, so that numbers go on through all updates.
+VDA 5050 version 2.1.0, sections 6.6.1, 6.6.2 and 6.7, and 3.0.0, section 6.1. A message is a dict that JSON can write.
+Stops are counted through the whole drive: those before the loop first, then the loop's again and again. Stop i has the
+``sequenceId`` 2 i and the edge that leads to it 2 i - 1, so that numbers go on through all updates.
 """
 
 from __future__ import annotations
@@ -10,23 +10,22 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from rota.driven_route import from_start
 from rota.errors import PlanError
+from rota.files.vda5050_versions import TIMED_WAIT, VERSION_2_1, Json, Protocol, WaitAction
 from rota.route import Route, RouteStop
+from rota.turning import with_turning
 
-Json = dict[str, Any]
-
-VERSION = "2.1.0"
-WAIT = "wait"
 MOST_SEQUENCE = 2**32 - 1  # sequenceId is a uint32
 _ID = re.compile(r"[A-Za-z0-9_.:-]+")  # section 6.1.2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Vehicle:
-    """Whom orders are for, and the map that their places are on; the metres are the mission's own.
+    """Whom orders are for, the map that their places are on, and how it is spoken to; the metres are the mission's own.
+
+    ``wait``: the action by which it waits at a stop; None: no order tells it to.
 
     Raises PlanError for names with other characters than ``A-Z a-z 0-9 _ - . :``, which VDA 5050 does not take.
     """
@@ -34,6 +33,8 @@ class Vehicle:
     serial_number: str
     manufacturer: str = "rota"
     map_id: str = "map"
+    protocol: Protocol = VERSION_2_1
+    wait: WaitAction | None = TIMED_WAIT
 
     def __post_init__(self) -> None:
         named = {"serial number": self.serial_number, "manufacturer": self.manufacturer, "map id": self.map_id}
@@ -49,6 +50,15 @@ class Window:
     announced: int = 25
 
 
+@dataclass(frozen=True, kw_only=True)
+class Span:
+    """The stops of a message by their numbers: the stitching node, the last one released, the last one announced."""
+
+    first: int
+    released: int
+    last: int
+
+
 def require_id(what: str, name: str) -> None:
     """Raise PlanError for a name with other characters than VDA 5050 takes in identifiers."""
     if not _ID.fullmatch(name):
@@ -58,11 +68,13 @@ def require_id(what: str, name: str) -> None:
 class NumberedStops:
     """A route's stops in the order of driving, each with the id of its node, and numbers that go on for ever."""
 
-    def __init__(self, route: Route) -> None:
-        """Stops ``once`` from where the robot begins to where rounds begin, then those of ``every_round``."""
+    def __init__(self, route: Route, turn_rate_rad_s: float | None = None) -> None:
+        """Stops ``once`` from where the robot begins to where rounds begin, then those of ``every_round``.
+
+        turn_rate_rad_s: of a robot that turns on the spot; None: it turns in no time.
+        """
         self.robot = route.robot
-        self.once = from_start(route)
-        self.every_round = route.every_round
+        self.once, self.every_round = with_turning(from_start(route), route.every_round, turn_rate_rad_s)
 
     @property
     def arrived(self) -> int:
@@ -86,35 +98,58 @@ class NumberedStops:
         return min(last, max(first, self.arrived) + len(self.every_round))
 
 
-def order_message(
-    route: Route, vehicle: Vehicle, order_id: str, *, update: int, first: int, window: Window, timestamp: str
-) -> Json:
-    """An order (``update`` 0, ``first`` 0) or its update: stops from ``first`` on, the last one released before it.
+def span_of(stops: NumberedStops, first: int, window: Window) -> Span:
+    """The stops of a message that begins at ``first``, at most one round of the loop: it holds no edge twice."""
+    released = end_without_wait(stops, first, stops.last_within(first, first + window.released))
+    return Span(first=first, released=released, last=stops.last_within(first, released + window.announced))
 
-    Its first node is the stitching node, unchanged. A wait is an action ``wait`` on the node, blockingType HARD, with
-    the parameter ``duration`` in seconds: VDA 5050 has no timed wait, and vehicles may have actions of their own. A
-    message holds no edge twice, so at most one round of the loop, whatever the window allows. ``headerId`` is
-    ``update``. A route that stays ends with its last stop.
+
+def end_without_wait(stops: NumberedStops, first: int, end: int) -> int:
+    """The stop nearest to ``end``, later ones last, that no robot waits at, beyond ``first`` and within a round.
+
+    An update repeats the stop at which what was released before it ends, and some vehicles then wait there again and
+    again. ``end`` itself where there is none, or where the route ends.
+    """
+    if not stops.every_round and end == stops.arrived:
+        return end
+    farthest = stops.last_within(first, first + len(stops.every_round))
+    near = (*range(end, first, -1), *range(end + 1, farthest + 1))
+    return next((number for number in near if stops.stop(number).wait_s == 0), end)
+
+
+def order_message(
+    stops: NumberedStops,
+    vehicle: Vehicle,
+    order_id: str,
+    *,
+    update: int,
+    span: Span,
+    timestamp: str,
+    told: Callable[[int], RouteStop] | None = None,
+) -> Json:
+    """An order (``update`` 0, from stop 0 on) or its update: stops from the last one on that was released before it.
+
+    Its first node is the stitching node, unchanged. ``told``: with what speed and what wait each stop is told to the
+    vehicle, by default those of the route. A wait is the vehicle's action for that, blockingType HARD; the time in
+    which a robot turns is none. ``headerId`` is ``update``. A route that stays ends with its last stop.
 
     Raises PlanError for ids that VDA 5050 does not take and for sequence ids beyond 32 bits: begin a new order then.
     """
     require_id("order id", order_id)
-    stops = NumberedStops(route)
-    released = stops.last_within(first, first + window.released)
-    last = stops.last_within(first, released + window.announced)
-    if 2 * last > MOST_SEQUENCE:
-        raise PlanError(f"robot {route.robot}: the order has used up VDA 5050's sequence ids, which have 32 bits")
-    numbers = range(first, last + 1)
+    if 2 * span.last > MOST_SEQUENCE:
+        raise PlanError(f"robot {stops.robot}: the order has used up VDA 5050's sequence ids, which have 32 bits")
+    told = told or stops.stop
+    numbers = range(span.first, span.last + 1)
     return {
         "headerId": update,
         "timestamp": timestamp,
-        "version": VERSION,
+        "version": vehicle.protocol.version,
         "manufacturer": vehicle.manufacturer,
         "serialNumber": vehicle.serial_number,
         "orderId": order_id,
         "orderUpdateId": update,
-        "nodes": [_node(stops, vehicle, order_id, number, number <= released) for number in numbers],
-        "edges": [_edge(stops, number, number <= released) for number in numbers[1:]],
+        "nodes": [_node(stops, vehicle, order_id, number, number <= span.released, told(number)) for number in numbers],
+        "edges": [_edge(stops, vehicle, number, number <= span.released, told(number)) for number in numbers[1:]],
     }
 
 
@@ -124,7 +159,7 @@ def base_end(message: Json) -> int:
 
 
 def order_messages(
-    route: Route, vehicle: Vehicle, order_id: str, *, window: Window, timestamp: Callable[[int], str]
+    stops: NumberedStops, vehicle: Vehicle, order_id: str, *, window: Window, timestamp: Callable[[int], str]
 ) -> Iterator[Json]:
     """The order and its updates, without end; ``timestamp`` makes a message's of the number of its first stop.
 
@@ -132,40 +167,38 @@ def order_messages(
     """
     first, update = 0, 0
     while True:
-        text = timestamp(first)
-        message = order_message(route, vehicle, order_id, update=update, first=first, window=window, timestamp=text)
-        yield message
-        first, update = base_end(message), update + 1
-        if route.closing is None and first == len(from_start(route)) - 1:
+        span = span_of(stops, first, window)
+        yield order_message(stops, vehicle, order_id, update=update, span=span, timestamp=timestamp(first))
+        first, update = span.released, update + 1
+        if not stops.every_round and first == stops.arrived:
             return
 
 
-def _node(stops: NumberedStops, vehicle: Vehicle, order_id: str, number: int, released: bool) -> Json:
-    stop = stops.stop(number)
-    wait = {
-        "actionType": WAIT,
-        "actionId": f"{order_id}:{2 * number}",
-        "blockingType": "HARD",
-        "actionParameters": [{"key": "duration", "value": stop.hold_s}],
-    }
+def wait_id(order_id: str, number: int) -> str:
+    """The id of the action that waits at a stop."""
+    return f"{order_id}:{2 * number}"
+
+
+def _node(stops: NumberedStops, vehicle: Vehicle, order_id: str, number: int, released: bool, told: RouteStop) -> Json:
+    waits = [vehicle.wait.action(wait_id(order_id, number), told.wait_s)] if vehicle.wait and told.wait_s > 0 else []
     return {
         "nodeId": stops.node_id(number),
         "sequenceId": 2 * number,
         "released": released,
-        "nodePosition": {"x": stop.place_m[0], "y": stop.place_m[1], "mapId": vehicle.map_id},
-        "actions": [wait] if stop.hold_s > 0 else [],
+        "nodePosition": {"x": told.place_m[0], "y": told.place_m[1], "mapId": vehicle.map_id},
+        "actions": waits,
     }
 
 
-def _edge(stops: NumberedStops, number: int, released: bool) -> Json:
+def _edge(stops: NumberedStops, vehicle: Vehicle, number: int, released: bool, told: RouteStop) -> Json:
     """The edge that leads to a stop."""
     start, end = stops.node_id(number - 1), stops.node_id(number)
+    ends = {} if vehicle.protocol.is_3 else {"startNodeId": start, "endNodeId": end}
     return {
         "edgeId": f"{start}-{end}",
         "sequenceId": 2 * number - 1,
         "released": released,
-        "startNodeId": start,
-        "endNodeId": end,
-        "maxSpeed": stops.stop(number).speed_m_s,
+        **ends,
+        vehicle.protocol.speed_key: told.speed_m_s,
         "actions": [],
     }

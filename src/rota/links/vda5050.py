@@ -1,30 +1,45 @@
-"""VDA 5050 vehicles over MQTT: orders with a released base that grows as the vehicle goes on.
+"""VDA 5050 vehicles over MQTT: orders with a released base that grows as the vehicle goes on, and by the plan's clock.
 
-A vehicle drives an order as soon as it has it, so it is paused before and let go by ``start``. Needs the extra
-``vda5050``, and a broker.
+A vehicle drives an order as soon as it has it, so it is paused before and let go by ``start``. Each is spoken to in the
+version that it speaks. Needs the extra ``vda5050``, and a broker.
 """
 
 from __future__ import annotations
 
 import asyncio
-import json
-from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from dataclasses import replace
 
 from rota.errors import LinkError
-from rota.files.vda5050_orders import Vehicle, Window
+from rota.files.vda5050_orders import NumberedStops, Vehicle, Window
+from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, protocol_of, wait_action_given
 from rota.links.extras import required
-from rota.links.inbox import Bounds
 from rota.links.reporting import RealTimeLink
-from rota.links.vda5050_broker import Broker, Vda5050Settings
-from rota.links.vda5050_state import MOST_TEXT, Malformed, VehicleState, connection_of, state_of
-from rota.links.vda5050_vehicle import ASK_AGAIN_S, ENDED, Vda5050Vehicle
+from rota.links.vda5050_broker import BY_RELEASE, Broker, Vda5050Settings
+from rota.links.vda5050_state import (
+    LOST,
+    Malformed,
+    VehicleState,
+    connection_of,
+    instant_of,
+    message_of,
+    place_of,
+    state_of,
+    version_of,
+    wait_action_of,
+)  # fmt: skip
+from rota.links.vda5050_talk import Talk
+from rota.links.vda5050_vehicle import ENDED, Vda5050Vehicle
 from rota.plan import Plan
-from rota.route import Route, route_of
+from rota.route import Place3, Route, route_of
 
-MOST_OTHERS = 10  # vehicles at the broker that are not the plan's, for error messages
 END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
+RELEASE_S = 0.1  # between two looks whether stops are to be released
+INTRODUCED_S = 1.0  # within which the broker tells what it has kept of a vehicle
+FACTSHEET_S = 3.0  # that a vehicle has for its factsheet
+# several states of a moment, told in milliseconds, come one after another
+ONE_INSTANT_S, SHORTEST_S = 0.01, 1e-3
+MOST_TROUBLES = 3  # vehicles of which it is told at once what is wrong with them
 
 SETTINGS = Vda5050Settings
 
@@ -45,8 +60,7 @@ async def ended(task: asyncio.Task[None]) -> None:
 def link_to(plan: Plan, settings: Vda5050Settings) -> Vda5050Link:
     """A vehicle for each robot of the plan, whose serial number is the robot's name."""
     required("aiomqtt", "vda5050")
-    routes = [route_of(trajectory, plan.mission.fleet.altitude_m) for trajectory in plan]
-    return Vda5050Link(routes, plan.mission.area.bounds, settings)
+    return Vda5050Link(plan, settings)
 
 
 class Vda5050Link(RealTimeLink):
@@ -54,25 +68,37 @@ class Vda5050Link(RealTimeLink):
 
     takes_fences = False
     drives_along = True
+    keeps_phase = True
 
-    def __init__(self, routes: list[Route], bounds_m: Bounds, settings: Vda5050Settings) -> None:
-        names = [route.robot for route in routes]
-        super().__init__(names, bounds_m, settings.start_time, "vda5050.start_time")
-        window = Window(released=settings.released, announced=settings.announced)
+    def __init__(self, plan: Plan, settings: Vda5050Settings) -> None:
+        fleet = plan.mission.fleet
+        self._robots = {trajectory.robot: fleet.robot(trajectory.robot) for trajectory in plan}
+        super().__init__(list(self._robots), plan.mission.area.bounds, settings.start_time, "vda5050.start_time")
         self._settings = settings
         self._vehicles: dict[str, Vda5050Vehicle] = {}
-        for route in routes:
-            identity = Vehicle(serial_number=route.robot, manufacturer=settings.manufacturer, map_id=settings.map_id)
-            self._vehicles[route.robot] = Vda5050Vehicle(identity=identity, planned=route, window=window)
-        self._others: set[str] = set()
+        for trajectory in plan:
+            name = trajectory.robot
+            self._vehicles[name] = Vda5050Vehicle(
+                identity=Vehicle(serial_number=name, manufacturer=settings.manufacturer, map_id=settings.map_id),
+                planned=self._stops(route_of(trajectory, fleet.altitude_m)),
+                top_speed_m_s=self._robots[name].speed_m_s,
+                window=Window(released=settings.released, announced=settings.announced),
+            )
         self._broker = Broker(settings)
-        self._reader: asyncio.Task[None] | None = None
-        self._lost = ""
+        self._talk = Talk(self._broker, settings)
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def _stops(self, route: Route) -> NumberedStops:
+        return NumberedStops(route, self._robots[route.robot].turn_rate_rad_s)
 
     @property
     def trouble(self) -> str:
-        """That the broker is lost, while it is."""
-        return self._lost
+        """That the broker is lost, while it is; else which vehicles are, or cannot go on, and what they report."""
+        if self._talk.lost:
+            return self._talk.lost
+        told = [text for vehicle in self._vehicles.values() if (text := vehicle.trouble)]
+        more = len(told) - MOST_TROUBLES
+        return "; ".join(told[:MOST_TROUBLES]) + (f"; and {more} more" if more > 0 else "")
 
     # ------------------------------------------------------------ the broker
 
@@ -80,16 +106,12 @@ class Vda5050Link(RealTimeLink):
         """Raises LinkError for a broker that cannot be reached or refuses, and for vehicles that are not as needed."""
         self._clock.begin()
         await self._broker.open()
-        await self._broker.subscribe(self._topic("+", "state"), qos=0)
-        await self._broker.subscribe(f"{self._settings.interface}/v2/+/+/connection", qos=1)
-        self._reader = asyncio.create_task(self._read())
+        interface, manufacturer = self._settings.interface, self._settings.manufacturer
+        for name in ("state", "factsheet", "visualization"):
+            await self._broker.subscribe(f"{interface}/+/{manufacturer}/+/{name}", qos=0)
+        await self._broker.subscribe(f"{interface}/+/+/+/connection", qos=1)
+        self._tasks = [asyncio.create_task(self._read()), asyncio.create_task(self._release())]
         await self._meet_all(self._meet)
-
-    def _topic(self, serial: str, name: str) -> str:
-        return f"{self._settings.interface}/v2/{self._settings.manufacturer}/{serial}/{name}"
-
-    async def _publish(self, vehicle: Vda5050Vehicle, name: str, message: dict[str, Any]) -> None:
-        await self._broker.publish(self._topic(vehicle.identity.serial_number, name), json.dumps(message))
 
     async def _read(self) -> None:
         """Use all that arrives, and reach the broker again for as long as it takes where it is lost."""
@@ -98,99 +120,162 @@ class Vda5050Link(RealTimeLink):
                 async for topic, payload in self._broker.messages():
                     await self._take(topic, payload)
             except LinkError as error:
-                self._lost = str(error)
+                self._talk.lost = str(error)
                 for vehicle in self._vehicles.values():
                     vehicle.was_away = True
                     async with vehicle.news:
                         vehicle.news.notify_all()
                 await self._broker.reopen()
-                self._lost = ""
+                self._talk.lost = ""
+
+    async def _release(self) -> None:
+        """Let orders go on when it is time to."""
+        while True:
+            await asyncio.sleep(RELEASE_S)
+            for vehicle in self._vehicles.values():
+                with suppress(LinkError):  # a broker that is lost is told by who reads
+                    await self._lead_on(vehicle)
+
+    async def _lead_on(self, vehicle: Vda5050Vehicle) -> None:
+        if (update := vehicle.update_due()) is not None:
+            await self._talk.publish(vehicle, "order", update)
+        if (trigger := vehicle.trigger_due()) is not None:
+            await self._talk.publish(vehicle, "instantActions", trigger)
 
     async def _take(self, topic: str, payload: object) -> None:
         """Use a message, or count it; let an order go on where it is time to."""
-        *_, manufacturer, serial, name = topic.split("/")
+        *_, level, manufacturer, serial, name = topic.split("/")
         vehicle = self._vehicles.get(serial) if manufacturer == self._settings.manufacturer else None
         if vehicle is None:
             if name == "connection":
-                self._hear_of_other(f"{manufacturer}/{serial}")
+                self._talk.hear_of_other(f"{manufacturer}/{serial}")
             else:
                 self._inbox.reject("unknown robot", topic)
             return
         try:
-            if name == "connection":
-                vehicle.connection = connection_of(payload)
-                if vehicle.connection != "ONLINE":
-                    vehicle.was_away = True
-                elif vehicle.was_away:
-                    # it may stand at the end of what it has, and have nothing new to tell
-                    vehicle.was_away = False
-                    await self._publish(vehicle, "instantActions", vehicle.instant_action("stateRequest")[1])
-                return
-            state = state_of(payload, serial)
+            read = message_of(payload)
+            if read.get("serialNumber") != serial:
+                raise Malformed("another serial number than its topic's")
+            await self._use(vehicle, level, name, read)
         except Malformed as error:
             self._inbox.reject("malformed", f"{name} of {serial:.25}: {error}")
-            return
-        if not self._report(vehicle, state):
+
+    async def _use(self, vehicle: Vda5050Vehicle, level: str, name: str, read: Json) -> None:
+        version = version_of(read)
+        protocol = protocol_of(version)
+        connection = connection_of(read) if name == "connection" else ""
+        if connection in ("OFFLINE", *LOST) and vehicle.level not in ("", level):
+            return  # what the broker has kept of the version that it spoke before
+        vehicle.version, vehicle.level = version, level
+        if protocol is not None:
+            vehicle.speak(protocol)
+        if connection:
+            await self._connected(vehicle, connection)
+        elif protocol is None:
+            raise Malformed(f"version {version:.25} is not spoken; {SPOKEN} are")
+        elif name == "factsheet":
+            vehicle.has_factsheet, vehicle.knows_to_wait = True, wait_action_of(read)
+        elif name == "visualization":
+            self._see(vehicle, *place_of(read, protocol), unix_s=instant_of(read))
+        elif not self._report(vehicle, state_of(read)):
             return
         async with vehicle.news:
             vehicle.news.notify_all()
-        if (update := vehicle.update_due()) is not None:
-            await self._publish(vehicle, "order", update)
+        await self._lead_on(vehicle)
 
-    def _hear_of_other(self, name: str) -> None:
-        if len(self._others) < MOST_OTHERS:
-            self._others.add(name[:MOST_TEXT])
+    async def _connected(self, vehicle: Vda5050Vehicle, connection: str) -> None:
+        vehicle.connection = connection
+        if connection != "ONLINE":
+            vehicle.was_away = True
+        elif vehicle.was_away:
+            # it may stand at the end of what it has, and have nothing new to tell
+            vehicle.was_away = False
+            await self._talk.publish(vehicle, "instantActions", vehicle.instant_action("stateRequest")[1])
 
     def _report(self, vehicle: Vda5050Vehicle, state: VehicleState) -> bool:
         """Take a state, unless it is from the future or older than the last one; whether it was taken."""
-        time_s, before = self._clock.of_unix_s(state.unix_s), vehicle.state
-        if state.place_m is not None:
-            vehicle.state = state
-            taken = self._inbox.offer(
-                now_s=self._clock.now_s(),
-                robot=vehicle.robot,
-                time_s=time_s,
-                position_m=(*state.place_m, vehicle.planned.start_m[2]),
-                battery=state.battery,
-                mode=vehicle.mode(),
-            )
-            vehicle.state = state if taken else before
-            return taken
-        vehicle.state = state
+        before = vehicle.state
+        vehicle.state = state  # its mode is told by it
+        if state.place_m is not None and not self._offer(vehicle, state.place_m, state.unix_s):
+            vehicle.state = before
+            return False
+        vehicle.take(state)
         return True
+
+    def _see(self, vehicle: Vda5050Vehicle, place_m: tuple[float, float] | None, map_id: str, unix_s: float) -> None:
+        """Report where a vehicle says that it is between two states."""
+        last = self.latest(vehicle.robot)
+        is_newer = last is not None and self._clock.of_unix_s(unix_s) >= last.time_s
+        if is_newer and place_m is not None and map_id == self._settings.map_id:
+            self._offer(vehicle, place_m, unix_s)
+
+    def _offer(self, vehicle: Vda5050Vehicle, place_m: tuple[float, float], unix_s: float) -> bool:
+        position_m: Place3 = (*place_m, vehicle.planned.once[0].place_m[2])
+        time_s, last = self._clock.of_unix_s(unix_s), self.latest(vehicle.robot)
+        if last is not None and 0 <= last.time_s - time_s < ONE_INSTANT_S:
+            time_s = last.time_s + SHORTEST_S
+        return self._inbox.offer(
+            now_s=self._clock.now_s(),
+            robot=vehicle.robot,
+            time_s=time_s,
+            position_m=position_m,
+            battery=None if vehicle.state is None else vehicle.state.battery,
+            mode=vehicle.mode(),
+        )
 
     async def close(self) -> None:
         """Vehicles drive to the end of what has been released to them, and wait there."""
         self._inbox.close()
-        if self._reader is not None:
-            await ended(self._reader)
+        for task in self._tasks:
+            await ended(task)
         await self._broker.close()
 
     # ------------------------------------------------------------ orders
 
     async def _meet(self, name: str) -> None:
         """Hear from a vehicle, and see whether it is one that can drive the plan."""
-        vehicle = self._vehicles[name]
-        action_id, message = vehicle.instant_action("stateRequest")
-        asked, limit_s = ("instantActions", message), self._settings.wait_s
-        await self._until(vehicle, "being heard", asked, lambda _: True, action_id, limit_s)
-        state, robot = vehicle.state, vehicle.robot
+        vehicle, limit_s = self._vehicles[name], self._settings.wait_s
+        with suppress(TimeoutError):
+            async with asyncio.timeout(min(INTRODUCED_S, limit_s)), vehicle.news:
+                await vehicle.news.wait_for(lambda: vehicle.connection == "ONLINE")
+        if vehicle.version and protocol_of(vehicle.version) is None:
+            raise LinkError(f"robot {name}: it speaks VDA 5050 {vehicle.version:.25}; {SPOKEN} are spoken here")
+        _, message = vehicle.instant_action("stateRequest")
+        await self._talk.until(vehicle, "being heard", "instantActions", message, lambda _: True, limit_s)
+        state = vehicle.state
         assert state is not None
         if state.place_m is not None and state.map_id != self._settings.map_id:
             needed = self._settings.map_id
-            raise LinkError(f"robot {robot}: it is on the map {state.map_id!r}; {needed!r} is needed (--set map_id=)")
+            raise LinkError(f"robot {name}: it is on the map {state.map_id!r}; {needed!r} is needed (--set map_id=)")
         if not state.is_automatic:
-            raise LinkError(f"robot {robot}: it is not in the operating mode AUTOMATIC and takes no orders")
+            raise LinkError(f"robot {name}: it is not in the operating mode AUTOMATIC and takes no orders")
 
     async def send_route(self, route: Route) -> None:
         """Pause the vehicle and give it the order."""
-        vehicle = self._vehicle(route.robot)
-        await self._act(vehicle, "startPause", lambda state: state.paused)
-        await self._order(vehicle, route)
+        vehicle, stops = self._vehicle(route.robot), self._stops(route)
+        if any(stop.wait_s > 0 for stop in (*stops.once, *stops.every_round)):
+            vehicle.identity = replace(vehicle.identity, wait=await self._way_to_wait(vehicle))
+        await self._talk.act(vehicle, "startPause", lambda state: state.paused)
+        await self._order(vehicle, stops)
 
-    async def _order(self, vehicle: Vda5050Vehicle, route: Route) -> None:
-        order = vehicle.order(route)
-        await self._until(vehicle, "the order", ("order", order), lambda _: vehicle.has_order(order), order["orderId"])
+    async def _way_to_wait(self, vehicle: Vda5050Vehicle) -> WaitAction | None:
+        """The action by which a vehicle is to wait; None: by what is released."""
+        given = self._settings.wait_action
+        if given:
+            return None if given == BY_RELEASE else wait_action_given(given, "vda5050.wait_action")
+        if not vehicle.has_factsheet:
+            action_id, message = vehicle.instant_action("factsheetRequest")
+
+            def is_over(state: VehicleState) -> bool:
+                return vehicle.has_factsheet or state.actions.get(action_id) in ENDED
+
+            with suppress(LinkError):  # it need not have one
+                await self._talk.until(vehicle, "factsheet", "instantActions", message, is_over, FACTSHEET_S)
+        return vehicle.knows_to_wait
+
+    async def _order(self, vehicle: Vda5050Vehicle, stops: NumberedStops) -> None:
+        order = vehicle.order(stops)
+        await self._talk.until(vehicle, "the order", "order", order, lambda _: vehicle.has_order(order))
 
     async def differences(self, route: Route) -> tuple[str, ...]:
         """Compare the nodes, edges and waits that the vehicle says are ahead of it with those of the order."""
@@ -200,19 +285,31 @@ class Vda5050Link(RealTimeLink):
         """Cancel the vehicle's order, and end the pause."""
         vehicle = self._vehicle(robot)
         await self._cancel(vehicle)
-        await self._act(vehicle, "stopPause", lambda state: not state.paused)
+        await self._talk.act(vehicle, "stopPause", lambda state: not state.paused)
 
     async def _cancel(self, vehicle: Vda5050Vehicle) -> None:
         vehicle.forget()
-        await self._act(vehicle, "cancelOrder", lambda state: not state.nodes and not state.edges)
+        await self._talk.act(vehicle, "cancelOrder", lambda state: not state.nodes and not state.edges)
 
     async def start(self, robot: str) -> None:
-        """End the pause."""
-        await self._act(self._vehicle(robot), "stopPause", lambda state: not state.paused)
+        """End the pause. Robots keep to a clock that starts with the first of them."""
+        begun_s = (vehicle.begun_s for vehicle in self._vehicles.values() if vehicle.begun_s is not None)
+        vehicle = self._vehicle(robot)
+        vehicle.begin(next(begun_s, None))
+        await self._talk.act(vehicle, "stopPause", lambda state: not state.paused)
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """Orders keep to a clock at all times, by what each stop is told when it is released: it goes at this rate."""
+        self._vehicle(robot).keep(rate)
+
+    def room_s(self, robot: str) -> float:
+        """What the waits and the slower legs of a round leave, beyond what its vehicle takes longer."""
+        vehicle = self._vehicles.get(robot)
+        return 0.0 if vehicle is None else vehicle.room_s
 
     async def pause(self, robot: str) -> None:
         """Pause."""
-        await self._act(self._vehicle(robot), "startPause", lambda state: state.paused)
+        await self._talk.act(self._vehicle(robot), "startPause", lambda state: state.paused)
 
     async def come_home(self, robot: str) -> None:
         """Cancel the order and send it home over planned legs: on to the end of the round, the approach backwards."""
@@ -222,74 +319,11 @@ class Vda5050Link(RealTimeLink):
         if way is None:
             raise LinkError(f"robot {robot}: it does not know where it is, and cannot be led home")
         vehicle.returning = True
-        await self._order(vehicle, way)
-        await self._act(vehicle, "stopPause", lambda state: not state.paused)
+        await self._order(vehicle, self._stops(way))
+        await self._talk.act(vehicle, "stopPause", lambda state: not state.paused)
 
     def _vehicle(self, robot: str) -> Vda5050Vehicle:
         vehicle = self._vehicles.get(robot)
         if vehicle is None or vehicle.state is None:
             raise LinkError(f"robot {robot}: no vehicle has been heard for it")
         return vehicle
-
-    async def _act(self, vehicle: Vda5050Vehicle, kind: str, is_done: Callable[[VehicleState], bool]) -> None:
-        """Send an instant action, and wait until the vehicle's state is what it leads to."""
-        action_id, message = vehicle.instant_action(kind)
-
-        def done(state: VehicleState) -> bool:
-            # a vehicle that had no order to cancel fails to, and is as it should be
-            return is_done(state) and (kind != "cancelOrder" or state.actions.get(action_id, "FINISHED") in ENDED)
-
-        await self._until(vehicle, kind, ("instantActions", message), done, action_id)
-
-    async def _until(
-        self,
-        vehicle: Vda5050Vehicle,
-        what: str,
-        message: tuple[str, dict[str, Any]],
-        is_done: Callable[[VehicleState], bool],
-        name: str,
-        limit_s: float | None = None,
-    ) -> None:
-        """Send a message, again now and then, until a state that comes after it is as wanted; LinkError if none does.
-
-        name: the id of the order or action, which the vehicle names when it refuses.
-        """
-        before = vehicle.state
-        limit_s = self._settings.answer_s if limit_s is None else limit_s
-
-        def ended() -> bool:
-            state = vehicle.state
-            fresh = state is not None and state is not before
-            return bool(self._lost) or (
-                fresh and state is not None and (is_done(state) or _refused(vehicle, name, state))
-            )
-
-        try:
-            async with asyncio.timeout(limit_s):
-                while not ended():
-                    await self._publish(vehicle, *message)
-                    with suppress(TimeoutError):
-                        async with asyncio.timeout(ASK_AGAIN_S), vehicle.news:
-                            await vehicle.news.wait_for(ended)
-        except TimeoutError:
-            raise LinkError(
-                f"robot {vehicle.robot}: {what}: not done within {limit_s:g} s{self._hint(vehicle)}"
-            ) from None
-        if self._lost:
-            raise LinkError(f"robot {vehicle.robot}: {what}: {self._lost}")
-        if vehicle.state is None or not is_done(vehicle.state):
-            error = vehicle.refusal(name)
-            raise LinkError(f"robot {vehicle.robot}: {what}: {error.text() if error else 'the vehicle failed to'}")
-
-    def _hint(self, vehicle: Vda5050Vehicle) -> str:
-        """Why a vehicle may not have been heard."""
-        if vehicle.connection not in ("", "ONLINE"):
-            return f"; the broker says that it is {vehicle.connection}"
-        if vehicle.state is None and self._others:
-            wanted = f"{self._settings.manufacturer}/{vehicle.identity.serial_number}"
-            return f"; {wanted} is needed, and the broker knows of {', '.join(sorted(self._others))}"
-        return ""
-
-
-def _refused(vehicle: Vda5050Vehicle, name: str, state: VehicleState) -> bool:
-    return vehicle.refusal(name) is not None or state.actions.get(name) == "FAILED"

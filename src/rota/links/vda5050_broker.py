@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from rota.errors import LinkError, RotaError
+from rota.files.vda5050_versions import wait_action_given
 from rota.planner_settings import Settings, setting
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 MOST_QUEUED = 10_000  # messages that have arrived and wait; later ones are lost
 LOOPBACK = "127.0.0.1"
+BY_RELEASE = "release"
 RETRY_S = 1.0  # between two tries to reach a broker that was lost
 
 
@@ -35,8 +37,13 @@ class Vda5050Settings(Settings):
     interface: str = setting("uagv", "first level of all topics")
     manufacturer: str = setting("rota", "third level of all topics; the fourth is the robot's name")
     map_id: str = setting("map", "the map that the vehicles drive on")
-    released: int = setting(20, "stops that a vehicle has released ahead of it", least=2, most=10_000)
-    announced: int = setting(10, "stops beyond them that it is told of", least=0, most=10_000)
+    released: int = setting(3, "stops that are released to a vehicle at once", least=2, most=10_000)
+    announced: int = setting(5, "stops beyond them that it is told of", least=0, most=10_000)
+    wait_action: str = setting(
+        "",
+        f"how vehicles wait: NAME:PARAMETER, an action and its parameter in seconds; NAME, an action that waits for a"
+        f" trigger; {BY_RELEASE}: for stops to be released; empty: as the factsheet tells, else by release",
+    )
     wait_s: float = setting(10.0, "how long a vehicle may take to be heard", above=0, most=3600)
     answer_s: float = setting(10.0, "how long it may take to do as it is told", above=0, most=3600)
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
@@ -50,6 +57,8 @@ class Broker:
             raise RotaError("vda5050.ca_file: is for tls only; add --set tls=true")
         if settings.password_file and not settings.username:
             raise RotaError("vda5050.password_file: is for a username only; add --set username=NAME")
+        if settings.wait_action:
+            wait_action_given(settings.wait_action, "vda5050.wait_action")
         self._settings = settings
         self._name = f"the broker {settings.host}:{settings.port}"
         self._client: Client | None = None

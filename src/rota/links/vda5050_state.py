@@ -10,10 +10,16 @@ from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 from rota.files.vda5050_orders import MOST_SEQUENCE
+from rota.files.vda5050_versions import TRIGGERED, Protocol, WaitAction, protocol_of
 
 MOST_BYTES = 1 << 20  # of a message: some ten thousand nodes
 MOST_TEXT = 200  # letters of a description that are kept
 LARGEST = 1e9
+LOST = ("CONNECTIONBROKEN", "CONNECTION_BROKEN")  # versions 2 and 3
+CONNECTIONS = ("ONLINE", "OFFLINE", "HIBERNATING", *LOST)
+STOPPING = ("FATAL", "CRITICAL")  # levels of errors with which a vehicle cannot go on
+# names of actions that wait, and of their parameters that hold seconds, as vehicles of several makers have them
+WAITS, DURATIONS = ("wait", "noop", "delay"), ("duration", "time", "waittime", "seconds")
 
 Json = dict[str, Any]
 Value = TypeVar("Value")
@@ -34,12 +40,12 @@ class Part:
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleError:
-    """An error that a vehicle reports; orders: the ids of the orders and actions that it names."""
+    """An error that a vehicle reports. about: what it refers to, values by their keys, such as ``orderId``."""
 
     kind: str
     is_fatal: bool
     description: str
-    about: frozenset[str]
+    about: frozenset[tuple[str, str]]
 
     def text(self) -> str:
         """The error in words."""
@@ -48,7 +54,10 @@ class VehicleError:
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleState:
-    """A state message. battery: 0 to 1. place_m: None where the vehicle does not know where it is."""
+    """A state message. battery: 0 to 1. place_m: None where the vehicle does not know where it is.
+
+    actions: the status of each, of instant actions as well.
+    """
 
     unix_s: float
     order_id: str
@@ -82,27 +91,68 @@ def _refuse(name: str) -> float:
     raise Malformed(f"{name} is no number of JSON")
 
 
-def connection_of(payload: object) -> str:
-    """Whether a vehicle is ONLINE, OFFLINE or CONNECTIONBROKEN."""
-    state = _get(message_of(payload), "connectionState", str)
-    if state not in ("ONLINE", "OFFLINE", "CONNECTIONBROKEN"):
+def version_of(read: Json) -> str:
+    """The version of VDA 5050 that a message says it is of, whether it is spoken or not."""
+    return _get(read, "version", str)[:MOST_TEXT]
+
+
+def connection_of(read: Json) -> str:
+    """Whether a vehicle is ONLINE, OFFLINE, HIBERNATING, CONNECTIONBROKEN or CONNECTION_BROKEN."""
+    state = _get(read, "connectionState", str)
+    if state not in CONNECTIONS:
         raise Malformed("connectionState is none that there is")
     return state
 
 
-def state_of(payload: object, serial_number: str) -> VehicleState:
+def wait_action_of(read: Json) -> WaitAction | None:
+    """The action by which a vehicle waits at nodes, as far as its factsheet tells one that is known."""
+    features = _dict(read.get("protocolFeatures", {}))
+    listed = features.get("mobileRobotActions", features.get("agvActions", []))
+    actions = {}
+    for each in map(_dict, listed if isinstance(listed, list) else ()):
+        scopes = each.get("actionScopes")
+        actions[_get(each, "actionType", str)] = (each, scopes if isinstance(scopes, list) else [])
+    _, scopes = actions.get(TRIGGERED, (None, []))
+    if "NODE" in scopes and "trigger" in actions:
+        return WaitAction(name=TRIGGERED, parameter=None)
+    for name, (each, scopes) in actions.items():
+        parameters = each.get("actionParameters", [])
+        if name.lower() not in WAITS or "NODE" not in scopes or not isinstance(parameters, list):
+            continue
+        for parameter in map(_dict, parameters):
+            key, kind = _get(parameter, "key", str), parameter.get("valueDataType")
+            if key.lower() in DURATIONS and kind in ("NUMBER", "FLOAT", "INTEGER"):
+                return WaitAction(name=name, parameter=key, whole=kind == "INTEGER")
+    return None
+
+
+def place_of(read: Json, protocol: Protocol) -> tuple[tuple[float, float] | None, str]:
+    """Where a state or a visualization says that the vehicle is, and on which map."""
+    told = read.get("mobileRobotPosition" if protocol.is_3 else "agvPosition")
+    if told is None:
+        return None, ""
+    position = _dict(told)
+    map_id = _get(position, "mapId", str)
+    if not _get(position, "localized" if protocol.is_3 else "positionInitialized", bool):
+        return None, map_id
+    return (_number(position, "x", -LARGEST, LARGEST), _number(position, "y", -LARGEST, LARGEST)), map_id
+
+
+def instant_of(read: Json) -> float:
+    """When a message was sent, in Unix seconds by the vehicle's clock."""
+    return _unix_s(_get(read, "timestamp", str))
+
+
+def state_of(read: Json) -> VehicleState:
     """A state message of a vehicle; raises Malformed for all else."""
-    read = message_of(payload)
-    if read.get("serialNumber") != serial_number or not _get(read, "version", str).startswith("2."):
-        raise Malformed("another serial number or version than its topic's")
-    place, map_id = None, ""
-    if (position := read.get("agvPosition")) is not None:
-        position = _dict(position)
-        map_id = _get(position, "mapId", str)
-        if _get(position, "positionInitialized", bool):
-            place = (_number(position, "x", -LARGEST, LARGEST), _number(position, "y", -LARGEST, LARGEST))
+    protocol = protocol_of(version_of(read))
+    if protocol is None:
+        raise Malformed("a version that is not spoken")
+    place, map_id = place_of(read, protocol)
+    power, charge = ("powerSupply", "stateOfCharge") if protocol.is_3 else ("batteryState", "batteryCharge")
+    instant = _get(read, "instantActionStates", list) if protocol.is_3 else []
     return VehicleState(
-        unix_s=_unix_s(_get(read, "timestamp", str)),
+        unix_s=instant_of(read),
         order_id=_get(read, "orderId", str),
         update=_whole(read, "orderUpdateId"),
         last_sequence=_whole(read, "lastNodeSequenceId"),
@@ -110,13 +160,13 @@ def state_of(payload: object, serial_number: str) -> VehicleState:
         edges=_parts(read, "edgeStates", "edgeId"),
         place_m=place,
         map_id=map_id,
-        battery=_number(_dict(read.get("batteryState")), "batteryCharge", 0, 100) / 100,
+        battery=_number(_dict(read.get(power)), charge, 0, 100) / 100,
         paused=_get(read, "paused", bool) if "paused" in read else False,
         is_automatic=_get(read, "operatingMode", str) == "AUTOMATIC",
         errors=tuple(map(_error, _get(read, "errors", list))),
         actions={
             _get(_dict(each), "actionId", str): _get(each, "actionStatus", str)
-            for each in _get(read, "actionStates", list)
+            for each in [*_get(read, "actionStates", list), *instant]
         },
     )
 
@@ -138,9 +188,11 @@ def _error(read: Any) -> VehicleError:
         raise Malformed("errorReferences is no list")
     return VehicleError(
         kind=_get(read, "errorType", str)[:MOST_TEXT],
-        is_fatal=_get(read, "errorLevel", str) == "FATAL",
+        is_fatal=_get(read, "errorLevel", str) in STOPPING,
         description=_get(read, "errorDescription", str)[:MOST_TEXT] if "errorDescription" in read else "",
-        about=frozenset(_get(_dict(each), "referenceValue", str) for each in references),
+        about=frozenset(
+            (_get(_dict(each), "referenceKey", str), _get(each, "referenceValue", str)) for each in references
+        ),
     )
 
 

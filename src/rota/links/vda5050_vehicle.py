@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import time
 import uuid
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
 
 from rota.files.timed_places import instant_text
-from rota.files.vda5050_orders import VERSION, NumberedStops, Vehicle, Window, base_end, order_message
+from rota.files.vda5050_orders import NumberedStops, Vehicle, Window, order_message, wait_id
+from rota.files.vda5050_versions import Protocol, WaitAction
 from rota.links.link import Mode
+from rota.links.vda5050_pace import Pace
 from rota.links.vda5050_state import Part, VehicleError, VehicleState
 from rota.route import Route, RouteStop
 
@@ -23,93 +25,169 @@ ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may l
 
 @dataclass(kw_only=True)
 class Vda5050Vehicle:
-    """What is known of a vehicle. ``planned``: the route of its robot, also where another program has sent it.
+    """What is known of a vehicle. ``planned``: the stops of its robot, also where another program has sent it.
 
-    ``news`` is told of every state. ``was_away``: it or the broker was lost since it was last asked for its state.
+    ``version``, ``level``: what it says that it speaks, and the second level of its topics; empty until it is heard.
+    ``has_factsheet``: whether it has told one; ``knows_to_wait``: the action by which it waits, as that tells.
+    ``news`` is told of every message. ``was_away``: it or the broker was
+    lost since it was last asked for its state.
     """
 
     identity: Vehicle
-    planned: Route
+    planned: NumberedStops
+    top_speed_m_s: float
     window: Window
     state: VehicleState | None = None
+    version: str = ""
+    level: str = ""
+    has_factsheet: bool = False
+    knows_to_wait: WaitAction | None = None
     connection: str = ""
     was_away: bool = False
     returning: bool = False
     news: asyncio.Condition = field(default_factory=asyncio.Condition)
-    _route: Route | None = None
+    _pace: Pace | None = None
     _order: Json | None = None
     _sent_s: float = 0.0
-    _actions: int = 0
+    # a vehicle may still report what was wrong with messages of the program before this one
+    _header: int = field(default_factory=lambda: int(time.time()) % 2**31)
+    _triggered: tuple[str, float] = ("", 0.0)
 
     @property
     def robot(self) -> str:
         """The robot's name."""
         return self.planned.robot
 
-    def order(self, route: Route) -> Json:
-        """A new order for a route, which replaces what it had."""
-        order_id = f"{self.identity.serial_number}-{uuid.uuid4().hex}"
-        self._route, self._order = route, self._message(route, order_id, update=0, first=0)
-        return self._order
+    def speak(self, protocol: Protocol) -> None:
+        """Speak to it by this version from now on."""
+        self.identity = replace(self.identity, protocol=protocol)
+
+    def order(self, stops: NumberedStops) -> Json:
+        """A new order for a route's stops, which replaces what it had."""
+        self._pace = Pace(stops, self.top_speed_m_s)
+        return self._extended(f"{self.identity.serial_number}-{uuid.uuid4().hex}", update=0)
 
     def forget(self) -> None:
         """It has no order of this program any more."""
-        self._route, self._order, self.returning = None, None, False
+        self._pace, self._order, self.returning = None, None, False
+
+    def begin(self, others_s: float | None) -> None:
+        """The clock that it keeps to starts now, or has when that of others did, unless it runs already."""
+        if self._pace is not None and not self.returning:
+            self._pace.begin(time.monotonic() if others_s is None else others_s)
+
+    def keep(self, rate: float) -> None:
+        """Let the clock that it keeps to go at this rate from the last call on."""
+        if self._pace is not None:
+            self._pace.keep(rate, time.monotonic())
+
+    @property
+    def room_s(self) -> float:
+        """How late it may be and make it up within a round."""
+        return 0.0 if self._pace is None else self._pace.room_s()
+
+    @property
+    def begun_s(self) -> float | None:
+        """When the clock that it keeps to started."""
+        return None if self._pace is None else self._pace.zero_s
+
+    @property
+    def trouble(self) -> str:
+        """That it is lost, cannot go on, or does not take what it is told, and what it reports; else empty."""
+        if self.connection not in ("", "ONLINE"):
+            return f"robot {self.robot}: the broker says that it is {self.connection}"
+        error = next((error for error in self.errors if error.is_fatal), None)
+        if error is None and self._order is not None and not self.has_order(self._order):
+            error = self.refusal("order", self._order)
+        return f"robot {self.robot}: it reports {error.text()}" if error is not None else ""
+
+    def take(self, state: VehicleState) -> None:
+        """Use a new state of its."""
+        self.state = state
+        if self._pace is not None and self._order is not None and state.order_id == self._order["orderId"]:
+            self._pace.heard(_reached(state), time.monotonic())
 
     def update_due(self) -> Json | None:
-        """The order's update, once it has half of the released stops behind it and has taken the update before.
+        """The order's update, once it is time for it and the vehicle has taken the update before.
 
         A vehicle that is paused gets none: it does not get on, and what it holds may just be being compared.
         An update that it has not taken after ``ASK_AGAIN_S`` is due again: it may have been lost. None also where the
         order was cancelled, or replaced, by others.
         """
-        state, order, route = self.state, self._order, self._route
-        if state is None or order is None or route is None or not route.every_round or state.paused:
-            return None
-        if state.order_id != order["orderId"]:
+        state, order, pace, now_s = self.state, self._order, self._pace, time.monotonic()
+        if state is None or order is None or pace is None or state.paused or state.order_id != order["orderId"]:
             return None
         if state.update != order["orderUpdateId"]:
-            is_late = time.monotonic() - self._sent_s > ASK_AGAIN_S
+            is_late = now_s - self._sent_s > ASK_AGAIN_S
             return self._again() if is_late and state.update == order["orderUpdateId"] - 1 else None
-        last, end = state.last_sequence // 2, base_end(order)
+        last = _reached(state)
         # without stops ahead it has either come to the end of what was released or been told to give up
-        is_driving = bool(state.nodes) or last >= end
-        released = end - order["nodes"][0]["sequenceId"] // 2
-        if not is_driving or end - last > max(1, released // 2):
+        is_driving = bool(state.nodes) or last >= pace.end
+        if not is_driving or not pace.is_due(last, self.window, now_s):
             return None
-        self._order = self._message(route, order["orderId"], update=order["orderUpdateId"] + 1, first=end)
-        return self._again()
+        return self._extended(order["orderId"], update=order["orderUpdateId"] + 1)
+
+    def trigger_due(self) -> Json | None:
+        """The instant action that ends its wait where it is, once it is time for it; again if it was lost."""
+        state, order, pace, now_s = self.state, self._order, self._pace, time.monotonic()
+        wait = self.identity.wait
+        if state is None or order is None or pace is None or wait is None or wait.parameter is not None:
+            return None
+        last = _reached(state)
+        name, sent_s = self._triggered
+        waiting = wait_id(order["orderId"], last)
+        if state.paused or state.actions.get(waiting) != "RUNNING" or now_s < pace.goes_on_s(last):
+            return None
+        if name == waiting and now_s - sent_s <= ASK_AGAIN_S:
+            return None
+        self._triggered = (waiting, now_s)
+        return self.instant_action("trigger")[1]
 
     def _again(self) -> Json | None:
         self._sent_s = time.monotonic()
         return self._order
 
-    def _message(self, route: Route, order_id: str, *, update: int, first: int) -> Json:
-        now = instant_text(datetime.now(UTC))
-        return order_message(
-            route, self.identity, order_id, update=update, first=first, window=self.window, timestamp=now
+    def _extended(self, order_id: str, *, update: int) -> Json:
+        """The order with the stops that are released next, or a new one."""
+        assert self._pace is not None
+        pace, with_waits = self._pace, self.identity.wait is not None
+        span = pace.span(self.window, with_waits=with_waits)
+        pace.release(span.released, time.monotonic(), with_waits=with_waits)
+        self._order = order_message(
+            pace.stops, self.identity, order_id, update=update, span=span, timestamp=_now(), told=pace.told
         )
+        self._sent_s = time.monotonic()
+        return self._order
 
     def instant_action(self, kind: str) -> tuple[str, Json]:
         """An instant action without parameters: its id, and the message."""
-        self._actions += 1
-        action_id = f"{kind}-{uuid.uuid4().hex}"
-        blocking = "HARD" if kind in ("startPause", "stopPause", "cancelOrder") else "NONE"
+        self._header += 1
+        action_id, protocol = f"{kind}-{uuid.uuid4().hex}", self.identity.protocol
+        blocking = protocol.instant_blocking if kind in ("startPause", "stopPause", "cancelOrder") else "NONE"
         action = {"actionType": kind, "actionId": action_id, "blockingType": blocking, "actionParameters": []}
         message = {
-            "headerId": self._actions,
-            "timestamp": instant_text(datetime.now(UTC)),
-            "version": VERSION,
+            "headerId": self._header,
+            "timestamp": _now(),
+            "version": protocol.version,
             "manufacturer": self.identity.manufacturer,
             "serialNumber": self.identity.serial_number,
-            "actions": [action],
+            **protocol.instant_actions([action]),
         }
         return action_id, message
 
-    def refusal(self, *ids: str) -> VehicleError | None:
-        """An error of its last state that names one of these orders or actions."""
-        errors = self.state.errors if self.state is not None else ()
-        return next((error for error in errors if error.about & set(ids)), None)
+    def refusal(self, topic: str, message: Json) -> VehicleError | None:
+        """An error of its last state that names the order or the actions of a message to a topic, or these' header."""
+        names = {message.get("orderId"), *(action["actionId"] for action in message.get("actions", ()))}
+        header = {("topic", topic), ("headerId", str(message["headerId"]))} if "actions" in message else None
+        for error in self.errors:
+            if any(value in names for _, value in error.about) or (header and header <= error.about):
+                return error
+        return None
+
+    @property
+    def errors(self) -> tuple[VehicleError, ...]:
+        """What it reports as errors in its last state."""
+        return self.state.errors if self.state is not None else ()
 
     def has_order(self, order: Json) -> bool:
         """Whether its last state is about this order."""
@@ -127,19 +205,25 @@ class Vda5050Vehicle:
 
     def _stands_as_planned(self, state: VehicleState) -> bool:
         """Whether it has come to where its route ends, and stays there."""
-        arrived = NumberedStops(self.planned).arrived
-        return bool(state.order_id) and not self.planned.every_round and state.last_sequence // 2 == arrived
+        stays = not self.planned.every_round and _reached(state) == self.planned.arrived
+        return bool(state.order_id) and (stays or self._is_held(state))
+
+    def _is_held(self, state: VehicleState) -> bool:
+        """Whether it waits at the end of what this program has released to it."""
+        pace, order = self._pace, self._order
+        return pace is not None and order is not None and self.has_order(order) and _reached(state) == pace.end
 
     def differences(self) -> tuple[str, ...]:
         """How what it says is ahead of it differs from its order."""
         order, state = self._order, self.state
         if order is None or state is None or not self.has_order(order):
             return ("it does not have the order",)
+        last = 2 * _reached(state)
         found = [
-            *_part_differences("node", order["nodes"], "nodeId", state.nodes, state.last_sequence),
-            *_part_differences("edge", order["edges"], "edgeId", state.edges, state.last_sequence),
+            *_part_differences("node", order["nodes"], "nodeId", state.nodes, last),
+            *_part_differences("edge", order["edges"], "edgeId", state.edges, last),
         ]
-        ahead = (node for node in order["nodes"] if node["sequenceId"] > state.last_sequence)
+        ahead = (node for node in order["nodes"] if node["released"] and node["sequenceId"] > last)
         waits = {action["actionId"] for node in ahead for action in node["actions"]}
         return (*found, *(f"it does not know of the action {name}" for name in sorted(waits - set(state.actions))))
 
@@ -150,8 +234,7 @@ class Vda5050Vehicle:
         """
         if self.state is None or self.state.place_m is None:
             return None
-        stops = NumberedStops(self.planned)
-        last = self.state.last_sequence // 2
+        stops, last = self.planned, _reached(self.state)
         speed_m_s = next((stop.speed_m_s for stop in stops.once if stop.speed_m_s), None)
         speed_m_s = speed_m_s or next((stop.speed_m_s for stop in stops.every_round if stop.speed_m_s), 1.0)
         ahead: list[RouteStop] = []
@@ -165,12 +248,19 @@ class Vda5050Vehicle:
         return Route(robot=self.robot, start_m=here, approach=tuple(way[:-1]), loop=(way[-1],), closing=None)
 
 
+def _reached(state: VehicleState) -> int:
+    """The stop that it reached last. One that is paused may not have begun with the first, and names an older one."""
+    return 0 if any(part.sequence == 0 for part in state.nodes) else state.last_sequence // 2
+
+
 def _part_differences(what: str, sent: list[Json], key: str, held: tuple[Part, ...], last: int) -> list[str]:
     wanted = [
         Part(name=part[key], sequence=part["sequenceId"], released=part["released"])
         for part in sent
         if part["sequenceId"] > last
     ]
+    # a vehicle that is paused may not have left the node where it stands
+    held = tuple(part for part in held if part.sequence > last)
     if len(wanted) != len(held):
         return [f"it holds {len(held)} {what}s of {len(wanted)}"]
     return [
@@ -178,3 +268,7 @@ def _part_differences(what: str, sent: list[Json], key: str, held: tuple[Part, .
         for was, have in zip(wanted, held, strict=True)
         if was != have
     ]
+
+
+def _now() -> str:
+    return instant_text(datetime.fromtimestamp(time.time(), UTC))

@@ -23,9 +23,10 @@ from rota.files.geodesy import projection_of
 from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
 from rota.files.timed_places import START
 from rota.files.vda5050_files import OrderSettings, orders_text
-from rota.files.vda5050_orders import WAIT, Json
+from rota.files.vda5050_versions import Json
 from rota.plan import Plan, Trajectory
 from rota.route import RouteStop, route_of, start_height_m
+from rota.turning import turning
 
 NAMES = {"k": KML_NAMESPACE, "w": WPML_NAMESPACE}
 PANEL_ENTRY = re.compile(
@@ -57,8 +58,9 @@ def as_dji_waylines(plan: Plan, trajectory: Trajectory) -> Trajectory:
 
 
 def as_nav2_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
-    """One robot as a client of Nav2 drives its waypoints that heeds their speeds and waits."""
-    texts = nav2_texts(trajectory)
+    """One robot as a client of Nav2 drives its waypoints that heeds their speeds and waits, and turns by itself."""
+    robot = plan.mission.fleet.robot(trajectory.robot)
+    texts = nav2_texts(trajectory, robot)
     parts = []
     for name in (APPROACH, LOOP):
         found = PANEL_ENTRY.findall(texts[name])
@@ -73,23 +75,26 @@ def as_nav2_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
             ]
         )
     once, every_round = parts
-    stays = trajectory.loop_duration_s == 0
-    return driven(trajectory.robot, once, [] if stays else every_round, flat=trajectory.positions_m.shape[1] == 2)
+    if trajectory.loop_duration_s == 0:
+        every_round = []
+    flat = trajectory.positions_m.shape[1] == 2
+    return driven(trajectory.robot, *turning(once, every_round, robot.turn_rate_rad_s), flat=flat)
 
 
 def as_vda5050_orders(plan: Plan, trajectory: Trajectory) -> Trajectory:
-    """One robot as a vehicle drives its orders that is as fast as they allow and knows the action ``wait``."""
+    """One robot as a vehicle drives its orders that is as fast as they allow, knows how to wait and turns by itself."""
     settings = OrderSettings(duration_s=_two_rounds_s(trajectory))
+    robot = plan.mission.fleet.robot(trajectory.robot)
     nodes: dict[int, Json] = {}
     edges: dict[int, Json] = {}
-    for line in orders_text(trajectory, settings, START).splitlines():
+    for line in orders_text(trajectory, settings, START, robot).splitlines():
         message = json.loads(line)
         nodes |= {node["sequenceId"]: node for node in message["nodes"] if node["released"]}
         edges |= {edge["sequenceId"]: edge for edge in message["edges"] if edge["released"]}
     stops = []
     for number in sorted(nodes):
         node, edge = nodes[number], edges.get(number - 1)
-        waits = [action for action in node["actions"] if action["actionType"] == WAIT]
+        waits = [action for action in node["actions"] if action["actionType"] == settings.wait.name]
         place = node["nodePosition"]
         stops.append(
             RouteStop(
@@ -98,7 +103,7 @@ def as_vda5050_orders(plan: Plan, trajectory: Trajectory) -> Trajectory:
                 hold_s=sum(parameter["value"] for wait in waits for parameter in wait["actionParameters"]),
             )
         )
-    return _in_rounds(trajectory, stops, 0.0)
+    return _in_rounds(trajectory, stops, 0.0, robot.turn_rate_rad_s)
 
 
 def _text(element: ElementTree.Element, path: str) -> str:
@@ -110,11 +115,17 @@ def _two_rounds_s(trajectory: Trajectory) -> float:
     return max(trajectory.loop_start_s + 2.5 * trajectory.loop_duration_s, 1.0)
 
 
-def _in_rounds(trajectory: Trajectory, stops: list[RouteStop], altitude_m: float) -> Trajectory:
-    """The trajectory of stops that hold an approach and two rounds: the second goes on for ever."""
+def _in_rounds(
+    trajectory: Trajectory, stops: list[RouteStop], altitude_m: float, turn_rate_rad_s: float | None = None
+) -> Trajectory:
+    """The trajectory of stops that hold an approach and two rounds: the second goes on for ever.
+
+    turn_rate_rad_s: of a robot that turns at each stop by itself, beyond what it is told.
+    """
     route = route_of(trajectory, start_height_m(trajectory, altitude_m))
     first, a_round = len(from_start(route)), len(route.every_round)
     flat = trajectory.positions_m.shape[1] == 2
     if not a_round:
-        return driven(trajectory.robot, stops, [], flat=flat)
-    return driven(trajectory.robot, stops[: first + a_round], stops[first + a_round : first + 2 * a_round], flat=flat)
+        return driven(trajectory.robot, *turning(stops, [], turn_rate_rad_s), flat=flat)
+    once, every_round = stops[: first + a_round], stops[first + a_round : first + 2 * a_round]
+    return driven(trajectory.robot, *turning(once, every_round, turn_rate_rad_s), flat=flat)

@@ -1,0 +1,199 @@
+"""How a VDA 5050 vehicle is led so that it keeps to the plan's clock: speeds, waits, and when stops are released.
+
+A stop that has been released cannot be changed any more. So what the vehicle is told of a stop is decided when that is
+released: from where it was last, and from what it has taken longer than it was told.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from rota.files.vda5050_orders import NumberedStops, Span, Window, end_without_wait
+from rota.route import RouteStop
+
+SLOWEST = 0.5  # of the planned speed: what a vehicle that is early is slowed down to
+LEARNING = 0.2  # the least weight of the last leg in what legs are expected to take longer
+MOST_LONGER_S, LEAST_LONGER_S = 3.0, -1.0
+AHEAD_S = 6.0  # a vehicle has stops for so long ahead of it, however short its legs are
+LEAST_LEG_S = 1e-3
+
+
+class Pace:
+    """The times of one vehicle's stops, in seconds of the clock that ``begin`` and ``heard`` are told.
+
+    zero_s: when the plan started by that clock; None until it has.
+    """
+
+    def __init__(self, stops: NumberedStops, top_speed_m_s: float) -> None:
+        self.stops = stops
+        self._top_m_s = top_speed_m_s
+        self._once_s = [0.0]
+        for number in range(1, len(stops.once)):
+            self._once_s.append(self._once_s[-1] + self._planned_s(number))
+        self._round_s = [0.0]
+        for number in range(len(stops.once), len(stops.once) + len(stops.every_round)):
+            self._round_s.append(self._round_s[-1] + self._planned_s(number))
+        self.zero_s: float | None = None
+        self._last, self._last_s, self._kept_s = 0, 0.0, 0.0
+        self._longer_s, self._looks = 0.0, 0
+        self._told: dict[int, RouteStop] = {0: replace(stops.stop(0), hold_s=0.0, turn_s=0.0)}
+        self._released_s: dict[int, float] = {}
+
+    def _planned_s(self, number: int) -> float:
+        """From the arrival at the stop before to that at this one, by plan."""
+        before, stop = self.stops.stop(number - 1), self.stops.stop(number)
+        return before.hold_s + math.dist(before.place_m, stop.place_m) / (stop.speed_m_s or math.inf)
+
+    # ------------------------------------------------------------ the plan's times
+
+    def begin(self, now_s: float) -> None:
+        """The plan's clock starts now, unless it has."""
+        if self.zero_s is None:
+            self.zero_s = self._last_s = self._kept_s = now_s
+            self._released_s.clear()  # what was released was so before
+
+    def keep(self, rate: float, now_s: float) -> None:
+        """The plan's clock went at this rate (0 to 1) since the last call."""
+        if self.zero_s is not None:
+            self.zero_s += (1 - rate) * (now_s - self._kept_s)
+            self._kept_s = now_s
+
+    def arrives_s(self, number: int) -> float:
+        """When the vehicle is at a stop by plan, in seconds since the start."""
+        past = number - (len(self._once_s) - 1)
+        if past < 0:
+            return self._once_s[number]
+        rounds, part = divmod(past, len(self.stops.every_round) or past + 1)
+        return self._once_s[-1] + rounds * self._round_s[-1] + self._round_s[part]
+
+    def waits(self, number: int) -> bool:
+        """Whether the vehicle waits there by plan."""
+        return self.stops.stop(number).wait_s > 0
+
+    def goes_on_s(self, number: int) -> float:
+        """The moment at which it is to be let go on from a stop, before it turns. Never before the start."""
+        if self.zero_s is None:
+            return math.inf
+        return self.zero_s + self.arrives_s(number) + self.stops.stop(number).wait_s - max(self._longer_s, 0.0)
+
+    @property
+    def late_s(self) -> float | None:
+        """By how much it was late at the last stop that it reached, below 0: early; None before the start."""
+        return None if self.zero_s is None else self._last_s - self.zero_s - self.arrives_s(self._last)
+
+    def room_s(self) -> float:
+        """What a round leaves to be made up: its waits, and its legs at top speed, less what they take longer."""
+        room_s = 0.0
+        for number in range(len(self.stops.once), len(self.stops.once) + len(self.stops.every_round)):
+            before, stop = self.stops.stop(number - 1), self.stops.stop(number)
+            fastest_m_s = max(self._top_m_s, stop.speed_m_s or 0.0)
+            length_m = math.dist(before.place_m, stop.place_m)
+            planned_s = length_m / (stop.speed_m_s or math.inf)
+            room_s += stop.wait_s + planned_s - length_m / fastest_m_s - self._longer_s
+        return max(room_s, 0.0)
+
+    @property
+    def end(self) -> int:
+        """The last stop that is released."""
+        return max(self._told)
+
+    # ------------------------------------------------------------ what happens
+
+    def heard(self, number: int, now_s: float) -> None:
+        """The vehicle has reached a stop."""
+        if number <= self._last or self.zero_s is None or number not in self._told:
+            return
+        legs = number - self._last
+        longer_s = (now_s - self._expected_s(number) + legs * self._longer_s) / legs
+        if abs(longer_s) <= MOST_LONGER_S:  # else somebody stood in its way
+            self._looks += 1
+            learned_s = self._longer_s + max(LEARNING, 1 / (self._looks + 1)) * (longer_s - self._longer_s)
+            self._longer_s = min(max(learned_s, LEAST_LONGER_S), MOST_LONGER_S)
+        self._last, self._last_s = number, now_s
+        for known in (self._told, self._released_s):
+            for passed in [key for key in known if key < number]:
+                del known[passed]
+
+    def _expected_s(self, number: int) -> float:
+        """When it is expected at a stop that has been released, from where it was last."""
+        at_s = self._last_s
+        for k in range(self._last + 1, number + 1):
+            at_s = self._leaves_s(k - 1, at_s) + self._drive_s(k, self._told[k].speed_m_s)
+        return at_s
+
+    def _leaves_s(self, number: int, arrives_s: float) -> float:
+        """When it sets out from a stop that it reaches then: once it has waited, and the next one is released."""
+        return max(arrives_s + self._told[number].wait_s, self._released_s.get(number + 1, -math.inf))
+
+    def _drive_s(self, number: int, speed_m_s: float | None) -> float:
+        """How long it is expected to turn and to drive to a stop at a speed."""
+        before, stop = self.stops.stop(number - 1), self.stops.stop(number)
+        length_m = math.dist(before.place_m, stop.place_m)
+        return max(before.turn_s + length_m / (speed_m_s or math.inf) + self._longer_s, LEAST_LEG_S)
+
+    # ------------------------------------------------------------ what it is told
+
+    def span(self, window: Window, *, with_waits: bool) -> Span:
+        """The stops of the next message: from the last one that is released to the last that will be, and beyond it.
+
+        Without waits that the vehicle is told, what is released ends where it is to wait.
+        """
+        stops, first = self.stops, self.end
+        farthest = stops.last_within(first, first + len(stops.every_round))
+        end = stops.last_within(first, first + window.released)
+        while end < farthest and self.arrives_s(end) - self.arrives_s(first) < AHEAD_S:
+            end += 1
+        if first == 0 and self.zero_s is None and self.waits(0):
+            end = 0
+        elif with_waits:
+            end = end_without_wait(stops, first, end)
+        else:
+            end = next((number for number in range(first + 1, end) if self.waits(number)), end)
+        return Span(first=first, released=end, last=stops.last_within(first, end + window.announced))
+
+    def is_due(self, last: int, window: Window, now_s: float) -> bool:
+        """Whether more is to be released to a vehicle that was last at a stop: it needs it, and has waited long enough.
+
+        It needs more with half of what a message releases ahead of it, or little time.
+        """
+        end = self.end
+        if not self.stops.every_round and end >= self.stops.arrived:
+            return False
+        has_enough = end - last > max(1, window.released // 2)
+        if has_enough and self.arrives_s(end) - self.arrives_s(last) > AHEAD_S / 2:
+            return False
+        return not self.waits(end) or now_s >= self.goes_on_s(end)
+
+    def release(self, last: int, now_s: float, *, with_waits: bool) -> None:
+        """Decide on the stops that follow those that are released, up to ``last``.
+
+        with_waits: the vehicle knows how to wait. At ``last`` it is not told to: it waits for what is released next.
+        """
+        first = self.end
+        at_s = self._expected_s(first) if self.zero_s is not None else 0.0
+        for number in range(first + 1, last + 1):
+            self._released_s[number] = now_s
+            stop = self.stops.stop(number)
+            leaves_s = self._leaves_s(number - 1, at_s)
+            speed_m_s = self._speed_m_s(number, leaves_s)
+            at_s = leaves_s + self._drive_s(number, speed_m_s)
+            wait_s = 0.0
+            if with_waits and number < last and stop.wait_s > 0:
+                wait_s = max(self.goes_on_s(number) - at_s, 0.0) if self.zero_s is not None else stop.wait_s
+            self._told[number] = replace(stop, speed_m_s=speed_m_s, hold_s=wait_s, turn_s=0.0)
+
+    def _speed_m_s(self, number: int, leaves_s: float) -> float | None:
+        """The speed at which it comes to a stop in time, as far as it may drive so fast or so slowly."""
+        stop = self.stops.stop(number)
+        if self.zero_s is None or stop.speed_m_s is None:
+            return stop.speed_m_s
+        before = self.stops.stop(number - 1)
+        left_s = self.zero_s + self.arrives_s(number) - leaves_s - before.turn_s - self._longer_s
+        fastest_m_s = max(self._top_m_s, stop.speed_m_s)
+        needed_m_s = math.dist(before.place_m, stop.place_m) / max(left_s, LEAST_LEG_S)
+        return min(max(needed_m_s, SLOWEST * stop.speed_m_s), fastest_m_s)
+
+    def told(self, number: int) -> RouteStop:
+        """What the vehicle is told of a stop; of one that is not released, what it may be."""
+        return self._told.get(number) or replace(self.stops.stop(number), hold_s=0.0, turn_s=0.0)
