@@ -54,7 +54,9 @@ def with_whole_waits(stops: Sequence[RouteStop]) -> list[RouteStop]:
         if made:
             length_m = math.dist(made[-1].place_m, stop.place_m)
             if stop.speed_m_s and length_m and late_s:
-                stop = replace(stop, speed_m_s=length_m / (length_m / stop.speed_m_s + late_s))
+                planned_s = None if stop.planned_s is None else stop.planned_s + late_s
+                slower_m_s = length_m / (length_m / stop.speed_m_s + late_s)
+                stop = replace(stop, speed_m_s=slower_m_s, planned_s=planned_s)
             late_s = 0.0
         made.append(replace(stop, hold_s=whole_s))
     return made
@@ -86,8 +88,7 @@ def driven(robot: str, once: Sequence[RouteStop], every_round: Sequence[RouteSto
 
     def drive(stops: Iterable[RouteStop]) -> None:
         for stop in stops:
-            length_m = math.dist(places[-1], stop.place_m)
-            for duration_s in (length_m / stop.speed_m_s if stop.speed_m_s else 0.0, stop.hold_s):
+            for duration_s in (stop.drive_s(places[-1]), stop.hold_s):
                 if times_s[-1] + duration_s > times_s[-1]:
                     times_s.append(times_s[-1] + duration_s)
                     places.append(stop.place_m)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from rota.errors import MissionError
@@ -210,6 +210,11 @@ class Fleet:
             turn_radius_m=self.turn_radius_m,
             motion=self.motion,
         )
+
+    def changing_speed_at_once(self) -> Fleet:
+        """The same fleet without limits of motion."""
+        robots = self.robots and tuple(replace(robot, motion=AT_ONCE) for robot in self.robots)
+        return replace(self, motion=AT_ONCE, robots=robots)
 
     def robot(self, name: str) -> Robot:
         """The robot of this name; in a fleet of as few as possible any name is one of the equals.

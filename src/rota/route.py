@@ -5,12 +5,16 @@ Exports for autopilots and links to robots are made of it. All places are in the
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rota.passed_stops import PassedStop, passed_stops
 from rota.plan import Trajectory
 
+ROUNDING_S = 1e-6  # by which times of different rounds may differ
 Place3 = tuple[float, float, float]
 Ring = tuple[tuple[float, float], ...]
 Disc = tuple[float, float, float]
@@ -21,18 +25,27 @@ class RouteStop:
     """A place (x, y, height) in metres to reach at ``speed_m_s`` and to stay at for ``hold_s`` (0 or more).
 
     speed_m_s: more than 0; None where the robot is there already. turn_s: of hold_s, how long the robot turns at the
-    end of it, where that is told apart: a robot that turns by itself is to wait for the rest only.
+    end of it, where that is told apart: a robot that turns by itself is to wait for the rest only. planned_s: how long
+    the way there is planned to take, where that is more than the speed says, since the robot speeds up and brakes;
+    None: what the speed says.
     """
 
     place_m: Place3
     speed_m_s: float | None
     hold_s: float = 0.0
     turn_s: float = 0.0
+    planned_s: float | None = None
 
     @property
     def wait_s(self) -> float:
         """How long the robot stands there before it turns."""
         return self.hold_s - self.turn_s
+
+    def drive_s(self, from_m: Place3) -> float:
+        """How long the way there takes from another place, without the wait."""
+        if self.planned_s is not None:
+            return self.planned_s
+        return math.dist(from_m, self.place_m) / self.speed_m_s if self.speed_m_s else 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +95,12 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
     It begins at ``altitude_m`` either way, to which autopilots take off: give ``start_height_m`` for others.
 
     Pauses become waits. Stops without a wait are left out where another stands for the same place: the start at the
-    approach's beginning, the loop's first stop at the approach's end.
+    approach's beginning, the loop's first stop at the approach's end. Corners that are cut are stops where their
+    straight ways meet, each with the greatest speed on the way there; where the loop begins in the midst of a way, the
+    stops of the loop begin with the next corner.
     """
+    if trajectory.accelerations_m_s2 is not None:
+        return _route_past_corners(trajectory, altitude_m)
     k = trajectory.loop_index
     approach = _visit(trajectory, altitude_m, 0, k) if k > 0 else []
     loop = _visit(trajectory, altitude_m, k, len(trajectory.times_s) - 1)
@@ -102,6 +119,53 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
         loop=tuple(loop),
         closing=closing,
     )
+
+
+def _route_past_corners(trajectory: Trajectory, altitude_m: float) -> Route:
+    """The route of a robot whose speed changes along its legs."""
+
+    def stops_of(passed: list[PassedStop]) -> list[RouteStop]:
+        stops = [RouteStop(place_m=_place(passed[0], altitude_m), speed_m_s=None, hold_s=_hold_s(passed[0]))]
+        for before, stop in itertools.pairwise(passed):
+            stops.append(
+                RouteStop(
+                    place_m=_place(stop, altitude_m),
+                    speed_m_s=stop.top_speed_m_s,
+                    hold_s=_hold_s(stop),
+                    planned_s=stop.reached_s - before.left_s,
+                )
+            )
+        return stops
+
+    before, a_round = passed_stops(trajectory)
+    approach = stops_of(before)
+    x, y = trajectory.positions_m[0, :2].tolist()
+    route = Route(robot=trajectory.robot, start_m=(x, y, altitude_m), approach=(), loop=(approach[-1],), closing=None)
+    if len(a_round) > 1:
+        first, *others, closing = stops_of(a_round)
+        # what the robot waits there in every round, and what of it in the first
+        begun_s = min(approach[-1].hold_s, first.hold_s)
+        if approach[-1].hold_s > begun_s + ROUNDING_S and len(approach) > 1:
+            approach.append(replace(approach[-1], hold_s=begun_s, planned_s=0.0))
+            approach[-2] = replace(approach[-2], hold_s=approach[-2].hold_s - begun_s)
+        # the places of different rounds differ by rounding
+        loop = (replace(approach[-1], place_m=first.place_m, hold_s=begun_s), *others)
+        ahead_s = first.hold_s - begun_s
+        closing = replace(closing, place_m=first.place_m, hold_s=ahead_s if ahead_s > ROUNDING_S else 0.0)
+        route = replace(route, loop=loop, closing=closing)
+    approach.pop()
+    if approach and approach[0].hold_s == 0:
+        approach.pop(0)
+    return replace(route, approach=tuple(approach))
+
+
+def _place(stop: PassedStop, altitude_m: float) -> Place3:
+    x, y, *height = stop.place_m.tolist()
+    return x, y, height[0] if height else altitude_m
+
+
+def _hold_s(stop: PassedStop) -> float:
+    return stop.left_s - stop.reached_s
 
 
 def start_height_m(trajectory: Trajectory, altitude_m: float) -> float:

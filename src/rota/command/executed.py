@@ -162,8 +162,10 @@ def _rounds_then_wait(trajectory: Trajectory, rounds: int, until_s: float) -> Tr
     made_s = np.concatenate([times_s[: k + 1], *begun])
     made_m = np.concatenate([places_m[: k + 1], *([places_m[k + 1 :]] * rounds)])
     end_s = trajectory.loop_start_s + until_s
+    accelerations = trajectory.accelerations_m_s2
+    if accelerations is not None:
+        accelerations = np.concatenate([accelerations[:k], *([accelerations[k:]] * rounds)])
     if end_s > made_s[-1]:
         made_s, made_m = np.append(made_s, end_s), np.concatenate([made_m, made_m[-1:]])
-    return replace(
-        trajectory, times_s=made_s, positions_m=made_m, headings_rad=None, loop_start_s=trajectory.loop_start_s
-    )
+        accelerations = None if accelerations is None else np.append(accelerations, 0.0)
+    return replace(trajectory, times_s=made_s, positions_m=made_m, headings_rad=None, accelerations_m_s2=accelerations)

@@ -226,7 +226,6 @@ def _round(route: Route) -> tuple[float, float]:
     length_m = duration_s = 0.0
     at_m = route.loop[0].place_m
     for stop in route.every_round:
-        step_m = math.dist(at_m, stop.place_m)
-        length_m, at_m = length_m + step_m, stop.place_m
-        duration_s += (step_m / stop.speed_m_s if stop.speed_m_s else 0.0) + stop.hold_s
+        duration_s += stop.drive_s(at_m) + stop.hold_s
+        length_m, at_m = length_m + math.dist(at_m, stop.place_m), stop.place_m
     return length_m, duration_s

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import is_deployment
 from rota.draw.film_frames import FilmFrames
@@ -72,6 +73,7 @@ def animate_plan(
         raise RotaError(f"{path}: an MP4 needs the ffmpeg program, which is not on the PATH; a .gif needs nothing")
     fps = FORMATS[suffix] if fps is None else fps
     times_s, speedup = film_times_s(plan, seconds, fps, speedup)
+    plan = plan_at_constant_speeds(plan)
     with house_style(), replaced_file(path) as partial:
         film = DeploymentFrames(plan, speedup) if is_deployment(plan) else FilmFrames(plan, speedup)
         if suffix == ".gif":

@@ -100,7 +100,10 @@ def _require_height(route: Route) -> None:
 def cruise_speed_m_s(trajectory: Trajectory) -> float | None:
     """The loop's highest speed, or the approach's when the robot stays; None when it never moves."""
     steps_m = np.linalg.norm(np.diff(trajectory.positions_m, axis=0), axis=1)
-    speeds_m_s = steps_m / np.diff(trajectory.times_s)
+    durations_s = np.diff(trajectory.times_s)
+    speeds_m_s = steps_m / durations_s
+    if trajectory.accelerations_m_s2 is not None:
+        speeds_m_s += np.abs(trajectory.accelerations_m_s2) * durations_s / 2
     moving = speeds_m_s[trajectory.loop_index :]
     for part in (moving, speeds_m_s):
         if len(part) and part.max() > 0:

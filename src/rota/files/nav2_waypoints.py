@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rota.constant_speeds import at_constant_speeds
 from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.robot_files import write_contents
@@ -60,7 +61,7 @@ def nav2_texts(trajectory: Trajectory, robot: Robot) -> dict[str, str]:
     return {
         APPROACH: _waypoints_text(once, before=[], after=every_round[:1]),
         LOOP: _waypoints_text(every_round or once[-1:], before=once, after=every_round[:1]),
-        PATH: _path_text(trajectory),
+        PATH: _path_text(at_constant_speeds(trajectory)),
     }
 
 

@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.errors import PlanError, RotaError
 from rota.files.geodesy import Projection
 from rota.plan import Floats, Plan, Trajectory
@@ -45,9 +46,10 @@ def timed_routes(plan: Plan, projection: Projection, start: datetime) -> Iterato
     Places keep all digits: robots that touch walls would be beyond them otherwise. Instants are rounded to nanoseconds,
     so that loops that share a period go on sharing it; those on a millisecond have three digits. A third coordinate of
     positions is the height; else it is the fleet's altitude. Raises PlanError for routes that end after the year 9999,
-    which ISO 8601 has no four digits for.
+    which ISO 8601 has no four digits for. Legs with accelerations are shorter ones at constant speeds, see
+    ``plan_at_constant_speeds``.
     """
-    for trajectory in plan:
+    for trajectory in plan_at_constant_speeds(plan):
         places_m = trajectory.positions_m
         lon, lat = projection.to_degrees(places_m[:, 0], places_m[:, 1])
         flat = places_m.shape[1] == 2

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import uuid
 from dataclasses import dataclass
@@ -104,8 +103,5 @@ def orders_text(trajectory: Trajectory, settings: OrderSettings, start: datetime
 def _arrivals_s(route: Route, rounds: int) -> Floats:
     """(n,) seconds after the start at which the robot is at each stop, up to the end of so many rounds."""
     stops = [*from_start(route), *(route.every_round * rounds)]
-    legs_s = [
-        before.hold_s + math.dist(before.place_m, stop.place_m) / (stop.speed_m_s or math.inf)
-        for before, stop in pairwise(stops)
-    ]
+    legs_s = [before.hold_s + stop.drive_s(before.place_m) for before, stop in pairwise(stops)]
     return np.concatenate([[0.0], np.cumsum(legs_s)])

@@ -32,7 +32,7 @@ def timed_path(route: Route) -> TimedPath:
     def go_through(stops: tuple[RouteStop, ...]) -> None:
         for stop in stops:
             if stop.speed_m_s is not None:
-                times_s.append(times_s[-1] + math.dist(places[-1], stop.place_m) / stop.speed_m_s)
+                times_s.append(times_s[-1] + stop.drive_s(places[-1]))
                 places.append(stop.place_m)
             if stop.hold_s > 0:
                 times_s.append(times_s[-1] + stop.hold_s)

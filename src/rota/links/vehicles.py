@@ -60,8 +60,7 @@ def _segments(at_m: Place3, stops: list[RouteStop] | tuple[RouteStop, ...]) -> l
     for stop in stops:
         length_m = math.dist(at_m, stop.place_m)
         if length_m > 0:
-            duration_s = length_m / stop.speed_m_s if stop.speed_m_s is not None else 0.0
-            made.append(Segment(at_m, stop.place_m, duration_s, True))
+            made.append(Segment(at_m, stop.place_m, stop.drive_s(at_m), True))
         if stop.hold_s > 0:
             made.append(Segment(stop.place_m, stop.place_m, stop.hold_s, False))
         at_m = stop.place_m

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.links.link import Mode
 from rota.live.ages import Ages, is_jump
 from rota.live.battery import Battery
@@ -45,9 +46,10 @@ class Watch:
         self.places = places = places_of(mission)
         self._ages = Ages(mission, places)
         ways = Ways(mission, self._robots, places)
-        self._alarms = DemandAlarms(Forecast(plan, places), ways, [robot.name for robot in self._robots])
+        driven = plan_at_constant_speeds(plan)
+        self._alarms = DemandAlarms(Forecast(driven, places), ways, [robot.name for robot in self._robots])
         self._ways = ways
-        self._following = Following(plan)
+        self._following = Following(driven)
         off_m = self.settings.off_route_m
         self._off_route_m = np.array(
             [max(inner_reach_m(robot.sensor) / 2, LEAST_OFF_M) if off_m is None else off_m for robot in self._robots],

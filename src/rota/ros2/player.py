@@ -9,6 +9,7 @@ from shapely import get_coordinates, get_rings
 from shapely.geometry.base import BaseGeometry
 
 from rota.cell_map import cell_map_of
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.draw.route_lines import robot_colours
 from rota.draw.sightings import Sightings
 from rota.errors import PlanError
@@ -48,7 +49,7 @@ class Player:
         self._colours = [_rgb(colour) for colour in robot_colours(plan)]
         self._types = types_of(2)
         self._cells = cell_map_of(plan.mission, AGE_CELLS)
-        self._sightings = Sightings(plan, self._cells)
+        self._sightings = Sightings(plan_at_constant_speeds(plan), self._cells)
         self._seen_until_s = 0.0
         fine = cell_map_of(plan.mission, MAP_CELLS)
         self._ground = free_space(plan.mission, fine.x_m, fine.y_m, fine.cell_m)

@@ -17,12 +17,17 @@ def straightened(plan: Plan, within_m: float) -> Plan:
 
     Rounds take as long, waits stay, and no leg is faster. So a plan that is met with a range reserve of ``within_m``
     (``range_margin_m``) stays met but for what corners of walls hide. Raises RotaError for lengths that are not more
-    than 0, and for robots that bounce, whose points are where they bounce.
+    than 0, for robots that bounce, whose points are where they bounce, and for legs with accelerations.
     """
     if not 0 < within_m < math.inf:
         raise RotaError(f"within_m: {within_m:g} is not allowed; must be greater than 0")
     if plan.mission.planning.bouncing is not None:
         raise RotaError(f"{plan.mission.name}: its robots bounce, and do so at every point of their ways")
+    if any(trajectory.accelerations_m_s2 is not None for trajectory in plan):
+        raise RotaError(
+            f"{plan.mission.name}: its robots are planned with their motion, and points on their ways are where they"
+            " speed up and brake; exports leave these out already"
+        )
     return replace(plan, trajectories=tuple(_straight(trajectory, within_m) for trajectory in plan))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from pyproj import Geod
 from shapely import box
 from tests.files.two_robots import two_robots, with_heights
+from tests.files.with_mass import CORNERS, with_mass
 
 from rota.check.motion import motion_violations
 from rota.check.routes import commensurable_classes
@@ -17,6 +20,7 @@ from rota.exports import FORMATS
 from rota.files.executed.mavlink import exactly, told
 from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 from rota.files.mission_items import Item
+from rota.files.plan_table import csv_text
 from rota.mission import Robot
 from rota.plan import Floats, Plan, Trajectory
 
@@ -178,3 +182,57 @@ def test_a_robot_that_is_told_to_be_faster_than_it_can_comes_late() -> None:
     legs_m = np.linalg.norm(np.diff(made.positions_m, axis=0), axis=1)
     assert (legs_m / np.diff(made.times_s) <= (8 + 2e-3) * (1 + 1e-9)).all()
     assert made.times_s[1] > 0.333
+
+
+CLOCKED = ("csv", "geojson", "kml", "gpx", "rosbag2", "rosbag2-sqlite3", "rosbag1")
+STOP_BY_STOP = ("qgroundcontrol", "qgroundcontrol-px4", "waypoints", "dji-wpml", "nav2", "vda5050")
+
+
+def test_formats_with_mass_are_these() -> None:
+    assert {*CLOCKED, *STOP_BY_STOP} == set(DRIVEN)
+
+
+@pytest.mark.parametrize("name", CLOCKED)
+def test_files_with_a_clock_speed_up_and_brake_within_five_centimetres(name: str) -> None:
+    plan = with_mass()
+    made = plan_as_driven(plan, name)
+    assert made.mission.fleet == plan.mission.fleet.changing_speed_at_once()
+    driven, planned = made.trajectories[0], plan.trajectories[0]
+    assert driven.loop_start_s == pytest.approx(planned.loop_start_s, abs=1e-8)
+    assert driven.loop_duration_s == pytest.approx(planned.loop_duration_s, abs=1e-8)
+    moments = np.linspace(0, 300, 5000)
+    off_m = np.linalg.norm(driven.at(moments) - planned.at(moments), axis=1)
+    assert off_m.max() < (1e-9 if name == "csv" else 0.05 + 1e-6)
+
+
+@pytest.mark.parametrize("name", STOP_BY_STOP)
+def test_files_of_stops_hold_the_corners_and_the_top_speeds(name: str) -> None:
+    plan = with_mass()
+    driven = plan_as_driven(plan, name).trajectories[0]
+    k = driven.loop_index
+    found = driven.positions_m[k + 1 :]
+    found = found[np.append(True, (np.diff(found, axis=0) != 0).any(axis=1))]
+    first = int(np.linalg.norm(found, axis=1).argmin())
+    np.testing.assert_allclose(np.roll(found, -first, axis=0), CORNERS, atol=1e-2 + 1e-6)
+    lengths = np.linalg.norm(np.diff(driven.positions_m[k:], axis=0), axis=1)
+    speeds = lengths / np.diff(driven.times_s[k:])
+    # the third of the ways is 95 m, the last 50 m: all are long enough for 8 m/s, but for the second, to 4 and from 3
+    np.testing.assert_allclose(speeds[speeds > 0], 8, rtol=0.05)
+
+
+def test_a_table_gives_speeds_and_accelerations() -> None:
+    plan = with_mass()
+    rows = list(csv.DictReader(io.StringIO(csv_text(plan))))
+    moving = [row for row in rows if row["robot"] == "a"]
+    given = plan.trajectories[0].accelerations_m_s2
+    assert given is not None
+    assert [float(row["acceleration_m_s2"]) for row in moving[:-1]] == given.tolist()
+    speeds = [float(row["speed_m_s"]) for row in moving]
+    assert max(speeds) == pytest.approx(8)
+    assert [speeds[0], speeds[-1]] == pytest.approx([0, 0], abs=1e-9)
+    legs = np.diff([float(row["t_s"]) for row in moving])
+    places = np.array([[float(row["x_m"]), float(row["y_m"])] for row in moving])
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    np.testing.assert_allclose(speeds[:-1] * legs + given * legs**2 / 2, lengths, atol=1e-9)
+    assert {row["acceleration_m_s2"] for row in rows if row["robot"] == "b"} == {"0.0"}
+    assert "speed_m_s" not in csv_text(PLAN)

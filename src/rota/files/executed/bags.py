@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.files.executed.timed_files import driven_at
 from rota.files.ros.bags import write_rosbag1, write_rosbag2
 from rota.files.ros.library import require_rosbags, types_of
@@ -26,7 +27,7 @@ def as_bag(plan: Plan, storage: Literal["mcap", "sqlite3", "rosbag1"]) -> tuple[
     require_rosbags("a bag of ROS")
     from rosbags.highlevel import AnyReader
 
-    begin_s, made = int(START.timestamp()), []
+    begin_s, made, plan = int(START.timestamp()), [], plan_at_constant_speeds(plan)
     paths: dict[str, Any] = {}
     with tempfile.TemporaryDirectory(prefix="rota.") as folder:
         path = Path(folder) / ("plan.bag" if storage == "rosbag1" else "plan")

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from datetime import datetime
 from xml.etree import ElementTree
 
 import numpy as np
 
+from rota.constant_speeds import plan_at_constant_speeds
 from rota.files import gpx_tracks, kml_tour
 from rota.files.geodesy import Projection, projection_of
 from rota.files.geojson import geojson_text
@@ -35,6 +37,9 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
         places_m = np.array([[float(row[column]) for column in columns] for row in own])
         first = [row["in_loop"] for row in own].index("1")
         made.append(driven_at(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
+        if trajectory.accelerations_m_s2 is not None:
+            given = np.array([float(row["acceleration_m_s2"]) for row in own[:-1]])
+            made[-1] = replace(made[-1], accelerations_m_s2=given)
     return tuple(made)
 
 
@@ -68,6 +73,7 @@ def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
 
 def as_kml(plan: Plan) -> tuple[Trajectory, ...]:
     """All robots as a globe plays their tracks, the loop again and again."""
+    plan = plan_at_constant_speeds(plan)
     root = ElementTree.fromstring(kml_tour.kml_text(plan))  # of our own making
     projection, made = projection_of(plan.mission, "KML"), []
     for track, trajectory in zip(root.iter(f"{{{NAMES['gx']}}}Track"), plan, strict=True):
@@ -79,6 +85,7 @@ def as_kml(plan: Plan) -> tuple[Trajectory, ...]:
 
 def as_gpx(plan: Plan) -> tuple[Trajectory, ...]:
     """All robots as their tracks' points have them, the loop again and again."""
+    plan = plan_at_constant_speeds(plan)
     root = ElementTree.fromstring(gpx_tracks.gpx_text(plan))  # of our own making
     projection, made = projection_of(plan.mission, "GPX"), []
     for track, trajectory in zip(root.findall("g:trk", NAMES), plan, strict=True):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rota.constant_speeds import at_constant_speeds, plan_at_constant_speeds
 from rota.errors import PlanError
 from rota.files.ros.names import namespaces
 from rota.plan import Floats, Plan, Trajectory
@@ -38,7 +39,7 @@ class Motion:
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
-        self._trajectory = trajectory
+        self._trajectory = trajectory = at_constant_speeds(trajectory)
         given = trajectory.headings_rad
         self._turns = given is not None
         self._yaws = _ways_rad(trajectory.positions_m) if given is None else np.unwrap(given)
@@ -69,7 +70,7 @@ def own_tracks(plan: Plan) -> list[Track]:
     """Each robot's timed points: its approach and one round of its loop."""
     return [
         Motion(trajectory).track(namespace, trajectory.times_s)
-        for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
+        for trajectory, namespace in zip(plan_at_constant_speeds(plan), namespaces(plan), strict=True)
     ]
 
 
@@ -79,6 +80,7 @@ def sampled_tracks(plan: Plan, span_s: float) -> list[Track]:
     A step is at most 0.1 s, or longer so that there are at most 50,000 poses in between, of all robots together. Raises
     PlanError for more than 2,000,000 timed points in all rounds.
     """
+    plan = plan_at_constant_speeds(plan)
     poses = sum(_points_until(trajectory, span_s) for trajectory in plan)
     if poses > MOST_POINTS:
         raise PlanError(
