@@ -51,6 +51,6 @@ def at_constant_speeds(trajectory: Trajectory, within_m: float = WITHIN_M) -> Tr
 
 def plan_at_constant_speeds(plan: Plan, within_m: float = WITHIN_M) -> Plan:
     """The plan with all its trajectories so."""
-    if all(trajectory.accelerations_m_s2 is None for trajectory in plan):
+    if not plan.heeds_motion:
         return plan
     return replace(plan, trajectories=tuple(at_constant_speeds(trajectory, within_m) for trajectory in plan))

@@ -279,5 +279,10 @@ class Plan:
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, planning.makes_runs)
 
+    @property
+    def heeds_motion(self) -> bool:
+        """Whether any robot speeds up and brakes along its legs."""
+        return any(trajectory.accelerations_m_s2 is not None for trajectory in self.trajectories)
+
     def __iter__(self) -> Iterator[Trajectory]:
         return iter(self.trajectories)

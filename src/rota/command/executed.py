@@ -70,7 +70,9 @@ class Executed(AsPlanned):
         verdict = check_plan(planned).verdict
         if verdict != "met":
             return f"the plan itself is {verdict}, too"
-        causes = [f"places are rounded by up to {self.off_m:.2g} m"] if self.off_m > 0 else []
+        rounded = "places are rounded by up to {} m"
+        what = "places are up to {} m off the curves past corners" if planned.heeds_motion else rounded
+        causes = [what.format(f"{self.off_m:.2g}")] if self.off_m > 0 else []
         causes += ["rounds take another time than planned"] if self.drifts else []
         return f"the plan itself is met; all violations come of what the format holds: {' and '.join(causes)}"
 

@@ -95,12 +95,15 @@ class ByVehicle:
                 f"rounds take {flown_s / planned_s:.1f} times the planned time: it makes {length_m / flown_s:.1f} m/s"
                 f" on them where {length_m / planned_s:.1f} m/s are planned; plans for slower robots come nearer"
             )
-            straight = straightened(planned, STRAIGHT_M)
-            lines += [
-                f"{each.told} takes {_factor(planned, each):.1f} times it, {_factor(straight, each):.1f} times without"
-                f" points on straight ways (rota straighten, {STRAIGHT_M:g} m)"
-                for each in (self.vehicle, *_tuned(self.vehicle))
-            ]
+            fewer = ""
+            for each in (self.vehicle, *_tuned(self.vehicle)):
+                if not planned.heeds_motion:
+                    straight = straightened(planned, STRAIGHT_M)
+                    fewer = (
+                        f", {_factor(straight, each):.1f} times without points on straight ways (rota straighten,"
+                        f" {STRAIGHT_M:g} m)"
+                    )
+                lines.append(f"{each.told} takes {_factor(planned, each):.1f} times it{fewer}")
         return lines
 
     def _wind_text(self) -> str:

@@ -26,7 +26,7 @@ def csv_text(plan: Plan) -> str:
     projection = Projection(plan.mission.origin) if plan.mission.origin is not None else None
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    speeds_change = any(trajectory.accelerations_m_s2 is not None for trajectory in plan)
+    speeds_change = plan.heeds_motion
     heights, degrees = ["z_m"] if has_heights else [], ["lat", "lon"] if projection else []
     motion = ["speed_m_s", "acceleration_m_s2"] if speeds_change else []
     writer.writerow(["robot", "t_s", "x_m", "y_m", *heights, *degrees, *motion, "in_loop"])

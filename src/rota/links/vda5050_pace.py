@@ -43,7 +43,7 @@ class Pace:
     def _planned_s(self, number: int) -> float:
         """From the arrival at the stop before to that at this one, by plan."""
         before, stop = self.stops.stop(number - 1), self.stops.stop(number)
-        return before.hold_s + math.dist(before.place_m, stop.place_m) / (stop.speed_m_s or math.inf)
+        return before.hold_s + stop.drive_s(before.place_m)
 
     # ------------------------------------------------------------ the plan's times
 

@@ -23,7 +23,7 @@ def straightened(plan: Plan, within_m: float) -> Plan:
         raise RotaError(f"within_m: {within_m:g} is not allowed; must be greater than 0")
     if plan.mission.planning.bouncing is not None:
         raise RotaError(f"{plan.mission.name}: its robots bounce, and do so at every point of their ways")
-    if any(trajectory.accelerations_m_s2 is not None for trajectory in plan):
+    if plan.heeds_motion:
         raise RotaError(
             f"{plan.mission.name}: its robots are planned with their motion, and points on their ways are where they"
             " speed up and brake; exports leave these out already"

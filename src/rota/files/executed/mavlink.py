@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.driven_route import driven
 from rota.errors import PlanError
+from rota.files.executed.time_lost import driven_by_file
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import (
     DO_CHANGE_SPEED,
@@ -89,8 +89,8 @@ def told(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autop
 
 
 def exactly(trajectory: Trajectory, told: Told) -> Trajectory:
-    """The trajectory of a vehicle without mass that does all that it is told."""
-    return driven(trajectory.robot, told.once, told.every_round, flat=trajectory.positions_m.shape[1] == 2)
+    """The trajectory of a vehicle that does all that it is told, and speeds up and brakes as the plan has it."""
+    return driven_by_file(trajectory, told.once, told.every_round)
 
 
 def _stops(plan: Plan, robot: str, items: list[Item], autopilot: Autopilot) -> tuple[list[RouteStop], int, int]:

@@ -40,8 +40,8 @@ def plan_as_driven(plan: Plan, name: str) -> Plan:
     """The plan with the trajectories that a format's files make, for names in ``DRIVEN``.
 
     Raises PlanError for what the format cannot say, as its export does. Vehicles are taken to drive each leg at the
-    speed that they are told, to wait as long as they are told, and to lose no time where they turn, speed up and brake:
-    the plan's mission has no limits of motion then.
+    speed that they are told, to wait as long as they are told, and to lose no time where they speed up and brake; where
+    the plan has them do so, they lose what they lose by plan. The plan's mission has no limits of motion then.
     """
     mission = replace(plan.mission, fleet=plan.mission.fleet.changing_speed_at_once())
     return replace(plan, mission=mission, trajectories=DRIVEN[name](plan))

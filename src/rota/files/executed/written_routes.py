@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from rota.driven_route import driven, from_start
+from rota.driven_route import from_start
 from rota.files.dji_waylines import (
     KML_NAMESPACE,
     WAYLINES,
@@ -18,6 +18,7 @@ from rota.files.dji_waylines import (
     WaylineSettings,
     kmz_of,
 )
+from rota.files.executed.time_lost import driven_by_file
 from rota.files.executed.timed_files import metres_read
 from rota.files.geodesy import projection_of
 from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
@@ -26,7 +27,6 @@ from rota.files.vda5050_files import OrderSettings, orders_text
 from rota.files.vda5050_versions import Json
 from rota.plan import Plan, Trajectory
 from rota.route import RouteStop, route_of, start_height_m
-from rota.turning import turning
 
 NAMES = {"k": KML_NAMESPACE, "w": WPML_NAMESPACE}
 PANEL_ENTRY = re.compile(
@@ -77,8 +77,7 @@ def as_nav2_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
     once, every_round = parts
     if trajectory.loop_duration_s == 0:
         every_round = []
-    flat = trajectory.positions_m.shape[1] == 2
-    return driven(trajectory.robot, *turning(once, every_round, robot.turn_rate_rad_s), flat=flat)
+    return driven_by_file(trajectory, once, every_round, robot.turn_rate_rad_s)
 
 
 def as_vda5050_orders(plan: Plan, trajectory: Trajectory) -> Trajectory:
@@ -124,8 +123,7 @@ def _in_rounds(
     """
     route = route_of(trajectory, start_height_m(trajectory, altitude_m))
     first, a_round = len(from_start(route)), len(route.every_round)
-    flat = trajectory.positions_m.shape[1] == 2
     if not a_round:
-        return driven(trajectory.robot, *turning(stops, [], turn_rate_rad_s), flat=flat)
+        return driven_by_file(trajectory, stops, [], turn_rate_rad_s)
     once, every_round = stops[: first + a_round], stops[first + a_round : first + 2 * a_round]
-    return driven(trajectory.robot, *turning(once, every_round, turn_rate_rad_s), flat=flat)
+    return driven_by_file(trajectory, once, every_round, turn_rate_rad_s)
