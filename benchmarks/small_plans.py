@@ -5,6 +5,7 @@ from __future__ import annotations
 from shapely import box
 
 from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
+from rota.motion_limits import MotionLimits
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -53,6 +54,30 @@ def equal_patrolling() -> Plan:
         times, there = ([0, period / 2, period], [[3 + 8 * k, 2], [7 + 8 * k, 2]]) if period else ([0.0], [[19, 4]])
         ways.append(Trajectory(robot=f"r{k}", times_s=times, positions_m=[*there, there[0]] if period else there))
     return Plan(mission=mission, trajectories=tuple(ways), lower_bound_robots=2)
+
+
+def accelerating() -> Plan:
+    """A robot with mass to and fro, from rest to rest, and another one round a square whose corners are small ones."""
+    sensor, limits = DiscSensor(radius_m=7), MotionLimits(acceleration_m_s2=2, jerk_m_s3=9, corner_m=0.5)
+    robots = tuple(Robot(name=name, speed_m_s=4, sensor=sensor, body_radius_m=0.2, motion=limits) for name in "ab")
+    mission = Mission(
+        name="hall",
+        area=box(0, 0, 12, 5).union(box(0, 5, 6, 11)),
+        obstacles=(Obstacle(shape=box(8, 3, 9, 4), blocks="motion"),),
+        zones=(Zone(name="door", shape=box(10, 2, 11, 3), period_s=9, demand="visit"),),
+        period_s=11,
+        fleet=Fleet(speed_m_s=4, sensor=sensor, robots=robots, body_radius_m=0.2, motion=limits),
+    )
+    a = Trajectory(
+        robot="a",
+        times_s=[0, 1, 3, 5, 7, 9],
+        positions_m=[[2, 2], [2, 2], [6, 2], [10, 2], [6, 2], [2, 2]],
+        accelerations_m_s2=[0, 2, -2, 2, -2],
+        loop_start_s=1,
+    )
+    ring = [[1, 6.5], [1, 6.4], [1.1, 6.4], [1.2, 6.4], [1.2, 6.5], [1.2, 6.6], [1.1, 6.6], [1, 6.6], [1, 6.5]]
+    b = Trajectory(robot="b", times_s=range(9), positions_m=ring, accelerations_m_s2=[0] * 8)
+    return Plan(mission=mission, trajectories=(a, b))
 
 
 def spreading() -> Plan:
@@ -145,4 +170,4 @@ def covering() -> Plan:
 
 def small_plans() -> tuple[Plan, ...]:
     """All of them."""
-    return patrolling(), equal_patrolling(), spreading(), flying(), monitoring(), covering()
+    return patrolling(), equal_patrolling(), accelerating(), spreading(), flying(), monitoring(), covering()

@@ -89,9 +89,7 @@ def assert_somebody_comes(plan: Plan, demand: DemandVerdict) -> None:
         for way in plan:
             robot = plan.mission.fleet.robot(way.robot)
             spare_m = robot.speed_m_s * step_s + 1e-6
-            start_s, length_s = way.loop_start_s, way.loop_duration_s
-            held = times_s if length_s == 0 else start_s + (times_s - start_s) % length_s
-            x, y = (np.interp(held, way.times_s, way.positions_m[:, axis]) for axis in (0, 1))
+            x, y = way.at(times_s).T[:2]
             seen |= shapely.dwithin(
                 points, shapely.multipoints(np.column_stack([x, y])), robot.sensor.reach_m + spare_m
             )
@@ -142,8 +140,28 @@ def test_the_plans_themselves_are_judged() -> None:
     assert [assert_refused_or_truly_judged(json.dumps(document).encode()) for document in DOCUMENTS] == [
         "met",
         "violated",
+        "met",
         "violated",
         "met",
         "met",
         "met",
     ]
+
+
+BREAKS = {
+    "speed": lambda way, fleet: fleet.update(speed_m_s=3.9),
+    "acceleration": lambda way, fleet: way["accelerations_m_s2"].__setitem__(1, 1.2),
+    "corner acceleration": lambda way, fleet: way["positions_m"].__setitem__(2, [6, 2.9]),
+    "jerk": lambda way, fleet: fleet.update(jerk_m_s3=0.9),
+}
+
+
+@pytest.mark.parametrize("kind", BREAKS)
+def test_broken_accelerations_are_caught(kind: str) -> None:
+    """One field of a plan that is met: its speed, an acceleration that leaves speeds to jump, a point, its jerk."""
+    document = copy.deepcopy(DOCUMENTS[2])
+    way, fleet = document["robots"][0], document["mission"]["fleet"]
+    BREAKS[kind](way, fleet["robots"][0])
+    report = check_plan(plan_from_text(json.dumps(document).encode(), "broken"))
+    assert report.verdict == "violated"
+    assert kind in {violation.kind for violation in report.violations}

@@ -12,7 +12,7 @@ ViolationKind = Literal[
     "no way there from the entrances",
     # motion
     "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",
-    "turn radius",
+    "turn radius", "acceleration", "corner acceleration", "jerk",
     # robots together
     "bodies touch", "clocks may differ",
     # robots that bounce

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.accelerations import acceleration_violations
 from rota.check.blocking import blocks_motion
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
@@ -39,6 +40,7 @@ def motion_violations(plan: Plan) -> list[Violation]:
         violations += _place_violations(trajectory, robot, out_of_area[k], "outside area")
         violations += _place_violations(trajectory, robot, into_obstacles[k], "obstacle")
         violations += speed_violations(trajectory, robot)
+        violations += acceleration_violations(trajectory, robot)
         violations += turn_violations(trajectory, robot)
         violations += turn_radius_violations(trajectory, robot)
         violations += altitude_violations(trajectory, robot, mission)
@@ -256,21 +258,23 @@ def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats
 def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     """Legs faster than the robot by more than 1e-9 of its speed and what float64 times and places can express.
 
+    Of a leg with an acceleration the faster end counts. What the wind leaves of an airspeed, no robot's speed exceeds.
     What a leg may be too short in time does not add up: no row of legs, however many, is farther ahead of the robot's
     speed than 1e-6 m or than the rounding of its two ends in time, whichever is more. Of several rows one is told.
     """
     steps = np.diff(trajectory.positions_m, axis=0)
     length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
+    fastest_m = length * (1 + np.abs(trajectory.bends))  # what a leg's time is enough for at its fastest speed
     noise_m = 4 * FLOAT_EPS * np.abs(trajectory.positions_m).max()
     with np.errstate(over="ignore", invalid="ignore"):  # the fastest robots may go anywhere at once
         most = robot.speed_m_s * time * (1 + SPEED_TOLERANCE) + noise_m
         grain_m = robot.speed_m_s * 2 * FLOAT_EPS * trajectory.times_s[1:]
-        rows = [(m, m + 1) for m in np.flatnonzero(length > most + grain_m)[:MOST_PER_ROBOT]]
+        rows = [(m, m + 1) for m in np.flatnonzero(fastest_m > most + grain_m)[:MOST_PER_ROBOT]]
         rows = rows or _row_ahead(length - most, np.maximum(grain_m, TOUCH_M))
     violations = []
     for m, end in rows:
         x, y = trajectory.positions_m[m, :2]
-        value = float(length[m:end].sum() / time[m:end].sum())
+        value = float((fastest_m if end == m + 1 else length)[m:end].sum() / time[m:end].sum())
         when = float(trajectory.times_s[m])
         violations.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
     return violations

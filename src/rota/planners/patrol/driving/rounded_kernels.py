@@ -22,7 +22,8 @@ from rota.compiled.kernel import kernel
 
 BISECTIONS = 40
 STRAIGHT = 1e-6  # sine of half an angle below which a vertex is no corner
-SHORTEST_S = 1e-4  # a change of speed in less is part of the leg after it
+STRAIGHT_BACK = 1 - 1e-9  # from which on a corner leads back along the way to it
+SHORTEST_S = 1e-6  # a change of speed in less is part of the leg after it
 SHORT = 1 - 1e-9  # of half a leg, to which a rounding reaches
 ANGLES, LENGTHS = 33, 64  # rows and columns of a table of corners
 SMALLEST_TURN = 1e-5  # the first row's
@@ -63,14 +64,20 @@ def ramp_m(from_m_s, to_m_s, limits):
 
 
 @kernel
+def _corner_m_s2(sine, limits):
+    """The greatest acceleration round a corner: where it leads straight back, its parabola is the way itself."""
+    return limits.corner_m_s2 if sine < STRAIGHT_BACK else min(limits.corner_m_s2, limits.along_m_s2)
+
+
+@kernel
 def rounding(speed_m_s, sine, limits):
     """Of a corner passed at this speed: seconds, metres from the corner to either end, and how far off it passes.
 
     sine: of half the turning angle.
     """
-    change, jerk = 2 * speed_m_s * sine, limits.jerk_m_s3
-    whole_s = change_s(change, limits.corner_m_s2, jerk)
-    peak = min(limits.corner_m_s2, math.sqrt(change * jerk))
+    change, jerk, most = 2 * speed_m_s * sine, limits.jerk_m_s3, _corner_m_s2(sine, limits)
+    whole_s = change_s(change, most, jerk)
+    peak = min(most, math.sqrt(change * jerk))
     half_s, rise_s = whole_s / 2, peak / jerk
     off_m = peak / 2 * rise_s * (half_s - rise_s / 2) + peak * (half_s - rise_s) ** 2 / 2
     return whole_s, speed_m_s * half_s, off_m
@@ -238,8 +245,6 @@ def _add_ramp(rows, n, at, from_m_s, to_m_s, limits):
     rise_s, sign = peak / limits.jerk_m_s3, 1.0 if to_m_s > from_m_s else -1.0
     speed, done_m = from_m_s, 0.0
     for part in range(3):
-        if part != 1 and rise_s == 0.0:
-            continue
         in_s = whole_s - 2 * rise_s if part == 1 else rise_s
         if in_s <= 0:
             continue
@@ -252,35 +257,29 @@ def _add_ramp(rows, n, at, from_m_s, to_m_s, limits):
 
 @kernel
 def _add_rounding(rows, n, at, towards, corner, step_s, limits):
-    """Write a rounded corner, a row of ``corners_of``, that begins at a heading, in chords of so much time at most.
+    """Write a rounded corner, a row of ``corners_of``, from a heading on, by its tangents, at most so much time apart.
 
     towards: the unit vector in whose direction it ends.
     """
     (x, y, ux, uy), (vx, vy), sine, speed = at, towards, corner[0], corner[1]
     whole_s, _, _ = rounding(speed, sine, limits)
-    peak = min(limits.corner_m_s2, math.sqrt(2 * speed * sine * limits.jerk_m_s3))
+    peak = min(_corner_m_s2(sine, limits), math.sqrt(2 * speed * sine * limits.jerk_m_s3))
     rise_s = peak / limits.jerk_m_s3
     size = math.hypot(vx - ux, vy - uy)
     nx, ny = (vx - ux) / size, (vy - uy) / size
     px, py, wx, wy = x, y, speed * ux, speed * uy
     for part in range(3):
-        if part != 1 and rise_s == 0.0:
-            continue
         in_s = whole_s - 2 * rise_s if part == 1 else rise_s
         if in_s <= 0:
             continue
         strength = peak if part == 1 else peak / 2
-        chords = max(1, math.ceil(in_s / step_s - 1e-9))
-        for c in range(1, chords + 1):
-            t = in_s * c / chords
-            n = _add_row(
-                rows,
-                n,
-                px + wx * t + nx * strength * t * t / 2,
-                py + wy * t + ny * strength * t * t / 2,
-                in_s / chords,
-                0.0,
-            )
+        # tangents: at half a step from either end, and a step apart; see check.accelerations
+        tangents = max(1, math.ceil(in_s / step_s - 1e-9))
+        x, y, step = px, py, in_s / tangents
+        for c in range(tangents + 1):
+            leg_s, gained = (step / 2 if c in (0, tangents) else step), strength * step * c
+            x, y = x + (wx + nx * gained) * leg_s, y + (wy + ny * gained) * leg_s
+            n = _add_row(rows, n, x, y, leg_s, 0.0)
         px += wx * in_s + nx * strength * in_s * in_s / 2
         py += wy * in_s + ny * strength * in_s * in_s / 2
         wx += nx * strength * in_s
@@ -293,13 +292,13 @@ def timed_rows(vertices_m, closed, step_s, limits):
     """Rows (m, 4) of a way along a polyline (n, 2), n > 1: seconds, x, y, acceleration along the leg that ends there.
 
     A closed one begins and ends where the rounding of the first corner ends, another one at rest at its ends. step_s:
-    the longest chord of a rounding.
+    the longest time between two tangents to a rounding.
     """
     corners = corners_of(vertices_m, closed, limits)
     n = len(corners)
     most = 1
     for k in range(n):
-        most += 12 + int(rounding(corners[k, 1], corners[k, 0], limits)[0] / step_s) + 3
+        most += 12 + int(rounding(corners[k, 1], corners[k, 0], limits)[0] / step_s) + 6
     rows = np.zeros((most, 5))
     x0, y0 = 0.0, 0.0
     count = 1

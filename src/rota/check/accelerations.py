@@ -1,0 +1,212 @@
+"""Whether the changes of velocity of a plan can be driven: accelerations along legs and at vertices, and jerk.
+
+A plan's velocity may jump at a vertex, by a vector J. No mass does that; but a motion close by spreads the jump evenly
+over a time h before and h after it. At a time s from the vertex it is off the plan by J (h - s)^2 / (4 h): by |J| h / 4
+at most, and not at all from h on. There its acceleration is the leg's own plus J / (2 h). So a plan counts as driven if
+there are windows, none of which overlap, in which that keeps the limit and |J| h / 4 is at most 5 cm (``OFF_M``): a
+motion then exists that keeps the limit all the time and is never farther off the plan.
+
+How wide a window must be follows from J, the limit and the accelerations of both legs. Where two on one leg do not fit,
+one that needs no more than half of the leg has it, and the other one is told with what is left.
+
+A curve of constant acceleration A is kept exactly by its tangents at times d apart, d at most sqrt(8 * 5 cm / A): legs
+of d / 2, of d each, and of d / 2, each at the velocity that the curve has in the middle of its time, the first and the
+last at those before and after the curve. Each jump then is A d, and its window d / 2.
+
+Before a robot begins, and where it has come to stay, it is at rest; only a loop that begins at 0 is under way then.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.report import Violation, violation
+from rota.check.tolerances import ACCELERATION_TOLERANCE, FLOAT_EPS, OFF_M, STILL_M, TURN_TOLERANCE_RAD
+from rota.check.turning import MOST_PER_ROBOT
+from rota.mission import Robot
+from rota.plan import Trajectory
+from rota.violation_kinds import ViolationKind
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
+LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
+
+
+class _Motion(NamedTuple):
+    """n legs one after the other, the loop's thrice: velocities (n, d) as each begins and as it ends, its acceleration.
+
+    Robots at rest have a leg before they begin, and one after they end, that lasts for ever. noise_m_s: (n,) what
+    rounding may make of a leg's velocity. points: (n,) of the trajectory, at which each leg begins.
+    """
+
+    begin_m_s: Floats
+    end_m_s: Floats
+    acceleration_m_s2: Floats
+    lasts_s: Floats
+    noise_m_s: Floats
+    points: Ints
+
+    def joined(self, other: _Motion) -> _Motion:
+        """These legs and then the other ones."""
+        return _Motion(*(np.concatenate(both) for both in zip(self, other, strict=True)))
+
+
+def acceleration_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
+    """Legs and vertices at which a robot would have to accelerate more than it can, and jerks; at most 20 of a kind.
+
+    Kinds: "acceleration" along a leg, and where the speed jumps; "corner acceleration" where the direction does; "jerk"
+    where accelerations change, see ``_jerk_violations``. Each is told with the least value that the plan asks for.
+    Robots whose limits state no acceleration have none of these.
+    """
+    most_m_s2 = robot.motion.acceleration_m_s2
+    if most_m_s2 is None or len(trajectory.times_s) == 1:
+        return []
+    motion = _motion_of(trajectory)
+    corner_m_s2 = robot.motion.corner_acceleration_m_s2 or most_m_s2
+    violations = _along_violations(trajectory, most_m_s2)
+    violations += _vertex_violations(trajectory, motion, most_m_s2, corner_m_s2)
+    if robot.motion.jerk_m_s3 is not None:
+        violations += _jerk_violations(trajectory, motion, robot.motion.jerk_m_s3)
+    return violations
+
+
+def _motion_of(trajectory: Trajectory) -> _Motion:
+    """The legs of a trajectory as its robot drives them."""
+    times, places, first = trajectory.times_s, trajectory.positions_m, trajectory.loop_index
+    steps, lasts = np.diff(places, axis=0), np.diff(times)
+    mean = steps / lasts[:, None]
+    loops, count = trajectory.loop_duration_s > 0, len(lasts)
+    legs = np.concatenate([np.arange(count), *[np.arange(first, count)] * (ROUNDS - 1)])
+    half = mean[legs] * trajectory.bends[legs, None]
+    far_m = float(np.abs(places).max())
+    noise = (STILL_M + 4 * FLOAT_EPS * far_m) / lasts[legs]
+    motion = _Motion(
+        begin_m_s=mean[legs] - half,
+        end_m_s=mean[legs] + half,
+        acceleration_m_s2=2 * half / lasts[legs, None],
+        lasts_s=lasts[legs],
+        noise_m_s=noise,
+        points=legs,
+    )
+    still = np.zeros((1, places.shape[1]))
+    for_ever = _Motion(still, still, still, np.full(1, math.inf), np.zeros(1), np.full(1, count))
+    if not loops or first > 0:
+        motion = for_ever.joined(motion)
+    return motion if loops else motion.joined(for_ever)
+
+
+def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violation]:
+    """Legs along which the robot accelerates or brakes more than it can."""
+    if trajectory.accelerations_m_s2 is None:
+        return []
+    found = np.abs(trajectory.accelerations_m_s2)
+    return [
+        _told("acceleration", trajectory, m, float(found[m]), most_m_s2, "m/s2")
+        for m in np.flatnonzero(found > most_m_s2 * (1 + ACCELERATION_TOLERANCE))[:MOST_PER_ROBOT]
+    ]
+
+
+def _vertex_violations(
+    trajectory: Trajectory, motion: _Motion, most_m_s2: float, corner_m_s2: float
+) -> list[Violation]:
+    """Jumps of velocity that no motion within 5 cm drives; see the module."""
+    jump = motion.begin_m_s[1:] - motion.end_m_s[:-1]
+    size = _sizes(jump)
+    noise = motion.noise_m_s[1:] + motion.noise_m_s[:-1]
+    jump *= (np.maximum(0.0, size - noise) / np.where(size > 0, size, 1.0))[:, None]
+    size, turns = _sizes(jump), _turns(motion)
+    limit = np.where(turns, max(most_m_s2, corner_m_s2), most_m_s2)
+    legs = motion.acceleration_m_s2[:-1], motion.acceleration_m_s2[1:]
+    needed_s = np.maximum(*(_least_window_s(jump, leg, limit) for leg in legs))
+    needed_s = np.maximum(needed_s, np.where(turns, size / (2 * corner_m_s2), 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        window_s = np.minimum(_windows_s(needed_s, motion.lasts_s), 4 * OFF_M / size)
+        spread = np.where(size[:, None] > 0, jump / (2 * window_s[:, None]), 0.0)
+    asked, by_corner = np.maximum(*(_sizes(leg + spread) for leg in legs)), _sizes(spread)
+    lateral = turns & (by_corner / corner_m_s2 > asked / limit)
+    asked, limit = np.where(lateral, by_corner, asked), np.where(lateral, corner_m_s2, limit)
+    violations: dict[int, Violation] = {}
+    for j in np.flatnonzero((size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
+        kind: ViolationKind = "corner acceleration" if turns[j] else "acceleration"
+        k = int(motion.points[j + 1])
+        violations.setdefault(k, _told(kind, trajectory, k, float(asked[j]), float(limit[j]), "m/s2"))
+    return list(violations.values())[:MOST_PER_ROBOT]
+
+
+def _turns(motion: _Motion) -> NDArray[np.bool_]:
+    """At which vertices (n - 1,) the direction changes by more than rounding; never beside a stop."""
+    velocity = motion.begin_m_s + motion.end_m_s
+    speed = _sizes(velocity)
+    moves = speed > 2 * motion.noise_m_s
+    direction = velocity / np.where(moves, speed, 1.0)[:, None]
+    noise = 2 * motion.noise_m_s / np.where(moves, speed, 1.0)
+    turn = _sizes(np.diff(direction, axis=0))
+    return np.asarray(moves[1:] & moves[:-1] & (turn > TURN_TOLERANCE_RAD + noise[1:] + noise[:-1]))
+
+
+def _least_window_s(jump: Floats, leg_m_s2: Floats, limit_m_s2: Floats) -> Floats:
+    """The least h (v,) with |a + J / (2 h)| within the limit, for jumps J and accelerations a of legs, (v, d) each."""
+    size2 = (jump**2).sum(axis=1)
+    left = np.maximum((limit_m_s2 * (1 + ACCELERATION_TOLERANCE)) ** 2 - (leg_m_s2**2).sum(axis=1), LEAST_LEFT)
+    along = (leg_m_s2 * jump).sum(axis=1)
+    root = np.sqrt(along**2 + size2 * left)
+    # the form whose sum does not cancel
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(
+            np.where(size2 > 0, np.where(along > 0, (along + root) / left, size2 / (root - along)) / 2, 0.0)
+        )
+
+
+def _windows_s(needed_s: Floats, lasts_s: Floats) -> Floats:
+    """What legs (n,) leave for windows at the vertices (n - 1,) between: what no other needs, or half."""
+    beside = np.concatenate([[0.0], needed_s, [0.0]])
+    before = lasts_s[:-1] - np.minimum(beside[:-2], lasts_s[:-1] / 2)
+    after = lasts_s[1:] - np.minimum(beside[2:], lasts_s[1:] / 2)
+    return np.asarray(np.minimum(before, after))
+
+
+def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float) -> list[Violation]:
+    """Changes of the acceleration that are faster than the robot's jerk allows.
+
+    The velocity at a vertex is the mean of what it is just before and just after, the acceleration of a leg what makes
+    the one at its end of that at its begin; neighbours with one acceleration are one phase. From one phase to the next,
+    of T and U seconds, it may change by the jerk times (T + U) / 2: then an acceleration that goes straight from the
+    middle of each phase to the middle of the next keeps the jerk. A ramp with half of the acceleration A for A / jerk
+    seconds, then A, then half again is as long and as far as the one that a limited jerk makes, and keeps this exactly.
+    How far the two are apart meanwhile is not judged.
+    """
+    at = (motion.begin_m_s[1:] + motion.end_m_s[:-1]) / 2
+    change = np.diff(np.concatenate([motion.begin_m_s[:1], at, motion.end_m_s[-1:]]), axis=0)
+    acceleration = change / motion.lasts_s[:, None]
+    noise = motion.noise_m_s + np.maximum(np.append(motion.noise_m_s[1:], 0), np.append(0, motion.noise_m_s[:-1]))
+    noise = noise / motion.lasts_s
+    other = _sizes(np.diff(acceleration, axis=0)) > noise[1:] + noise[:-1] + ACCELERATION_TOLERANCE * most_m_s3
+    first = np.concatenate([[0], np.flatnonzero(other) + 1])
+    lasts_s = np.add.reduceat(motion.lasts_s, first)
+    phase = np.add.reduceat(change, first) / lasts_s[:, None]
+    noise = np.maximum.reduceat(noise, first)
+    jerk = np.maximum(0.0, _sizes(np.diff(phase, axis=0)) - noise[1:] - noise[:-1]) / ((lasts_s[1:] + lasts_s[:-1]) / 2)
+    # phases that are cut off where the rounds begin and end are judged in another round
+    whole = np.ones(len(first), np.bool_)
+    whole[0], whole[-1] = np.isinf(lasts_s[0]), np.isinf(lasts_s[-1])
+    violations: dict[int, Violation] = {}
+    for j in np.flatnonzero((jerk > most_m_s3 * (1 + ACCELERATION_TOLERANCE)) & whole[1:] & whole[:-1]):
+        k = int(motion.points[first[j + 1]])
+        violations.setdefault(k, _told("jerk", trajectory, k, float(jerk[j]), most_m_s3, "m/s3"))
+    return list(violations.values())[:MOST_PER_ROBOT]
+
+
+def _sizes(vectors: Floats) -> Floats:
+    """Lengths (n,) of vectors (n, d)."""
+    return np.asarray(np.sqrt((vectors**2).sum(axis=1)))
+
+
+def _told(kind: ViolationKind, trajectory: Trajectory, k: int, value: float, most: float, unit: str) -> Violation:
+    """The violation at point k of the trajectory."""
+    return violation(kind, trajectory.robot, trajectory.positions_m[k, :2], trajectory.times_s[k], value, most, unit)
