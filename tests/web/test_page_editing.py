@@ -180,6 +180,32 @@ def test_numbers_of_zones_and_fleet_are_set_beside_the_map(page: Any) -> None:
     assert "swarm" not in kept
 
 
+def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    fleet = page.locator("#fleet-form")
+    fleet.get_by_label("Vehicle", exact=True).select_option("px4")
+    assert {key: document(page)["fleet"].get(key) for key in ("vehicle", "speed_m_s")} == {
+        "vehicle": "px4",
+        "speed_m_s": None,
+    }
+    # MPC_XY_CRUISE and MPC_ACC_HOR
+    expect(fleet.get_by_label("Speed (m/s)")).to_have_attribute("placeholder", "5, as px4")
+    fleet.get_by_text("Motion and wind").click()
+    acceleration = fleet.get_by_label("Acceleration (m/s²)")
+    expect(acceleration).to_have_attribute("placeholder", "3, as px4")
+    acceleration.fill("1.5")
+    assert document(page)["fleet"]["acceleration_m_s2"] == 1.5
+    fleet.get_by_label("Corners cut by (m)").fill("1000")
+    told = judged(page)
+    assert "Fleet, corners cut by: 1000 is not allowed" in told
+    fleet.get_by_label("Corners cut by (m)").fill("")
+    fleet.get_by_label("Vehicle", exact=True).select_option("")
+    kept = document(page)["fleet"]
+    assert kept["speed_m_s"] == 5
+    assert "vehicle" not in kept
+
+
 def test_faults_are_told_at_the_field_on_the_shape_and_in_the_list(page: Any) -> None:
     new_mission(page)
     draw_polygon(page, "Area", *SQUARE)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from rota.files.mission_schema import FleetBlock, RobotBlock, SensorBlock
+from rota.files.motion_schema import DRIVING
 from rota.files.schema_faults import Fault
 from rota.files.yaml_text import Place
 from rota.fleet import TURNS_ONE_WAY, DiscSensor, Fleet, Robot, Sensor, SquareSensor
@@ -17,7 +18,6 @@ from rota.vehicles.presets import NONE, VEHICLES
 
 FLEET: Place = ("fleet",)
 TURNING = ("turn_rate_rad_s", "turn_radius_m")
-DRIVING = ("speed_m_s", *TURNING, *MOTION_FIELDS)
 AS_NOTHING = {"speed_m_s", "turn_radius_m", "vehicle"}  # of which null says no more than leaving them out
 NOT_OF_VEHICLES = ("speed_m_s", *TURNING, "wind_m_s")  # from the fleet unless a robot's vehicle presets them
 

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import Field
 
 from rota.files.schema_block import Block, LengthOrZero, NotNegative, Rate
+from rota.motion_limits import MOTION_FIELDS
 from rota.vehicles.presets import VEHICLES
+
+DRIVING = ("speed_m_s", "turn_rate_rad_s", "turn_radius_m", *MOTION_FIELDS)  # what vehicles preset
 
 if TYPE_CHECKING:
     VehicleName = str
 else:
     VehicleName = Literal[tuple(VEHICLES)]  # the presets are the one place that names them
 ON_THE_FLOOR = [each.name for each in VEHICLES.values() if not each.flies]
+PRESETS: Any = {name: each.preset(DRIVING) for name, each in VEHICLES.items()}
 WITH_SPEED: list[Any] = [each.name for each in VEHICLES.values() if each.speed_m_s is not None]
 
 
@@ -21,7 +25,9 @@ class MotionBlock(Block):
     """Limits of motion, and the vehicle that has those which are not given."""
 
     vehicle: VehicleName | None = Field(
-        None, description="presets speeds, turns and motion that are not given; none: changes speed at once"
+        None,
+        description="presets speeds, turns and motion that are not given; none: changes speed at once",
+        json_schema_extra={"presets": PRESETS},
     )
     acceleration_m_s2: Rate | None = Field(None, description="along the way; null: speeds change at once")
     corner_acceleration_m_s2: Rate | None = Field(None, description="round a corner; null: as along the way")

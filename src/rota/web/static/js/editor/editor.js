@@ -39,7 +39,7 @@ export class Editor extends EventTarget {
     this.drawing = new Drawing(missionMap.map, byId("tools"), byId("hint"));
     this.forms = [
       new MissionForm(byId("mission-form"), this.fields),
-      new FleetForm(byId("fleet-form"), this.fields),
+      new FleetForm(byId("fleet-form"), this.fields, schema),
       new PlannerForm(byId("planner-form"), this.fields, planners, schema),
     ];
     this.list = new ShapeList(byId("shape-list"), this.fields);

@@ -1,7 +1,8 @@
-/** The robots: how many, how fast, what they see, how they turn. */
+/** The robots: how many, how fast, what they see, how they turn, and what vehicles they are. */
 
 import { button, el } from "../dom.js";
 import { keepingFocus } from "./fields.js";
+import { MotionFields } from "./motion_fields.js";
 import { listAt } from "./shapes.js";
 import { withValue } from "./paths.js";
 
@@ -13,10 +14,12 @@ export class FleetForm {
   /**
    * @param {HTMLElement} section
    * @param {import("./fields.js").Fields} fields
+   * @param {any} schema of mission files
    */
-  constructor(section, fields) {
+  constructor(section, fields, schema) {
     this.section = section;
     this.fields = fields;
+    this.motion = new MotionFields(fields, schema);
     this.built = "";
   }
 
@@ -27,8 +30,9 @@ export class FleetForm {
   update() {
     const { document } = this.fields.store;
     const robots = listAt(document, ["fleet", "robots"]);
-    const shapes = robots.map((robot) => robot?.sensor?.shape ?? "");
-    const built = JSON.stringify([countOf(this.fleet.robots), this.fleet.sensor?.shape ?? "disc", shapes, document.planner]);
+    const kinds = robots.map((robot) => [robot?.sensor?.shape ?? "", robot?.vehicle ?? ""]);
+    const { sensor, vehicle } = this.fleet;
+    const built = JSON.stringify([countOf(this.fleet.robots), sensor?.shape ?? "disc", vehicle ?? "", kinds, document.planner]);
     if (built !== this.built) {
       this.built = built;
       keepingFocus(this.section, () => this.build(robots));
@@ -36,13 +40,16 @@ export class FleetForm {
   }
 
   build(robots) {
-    const { fields } = this;
+    const { fields, motion } = this;
+    const { vehicle } = this.fleet;
+    const heeded = (fields.store.document.planner ?? "patrol") === "patrol" || vehicle !== undefined; // others refuse vehicles
     const main = el(
       "div",
       { class: "fields" },
       this.count(),
+      heeded ? motion.vehicle(["fleet"], "none: changes speed at once") : null,
       countOf(this.fleet.robots) === "number" ? fields.number(["fleet", "robots"], "Number of robots", { step: "1" }) : null,
-      fields.number(["fleet", "speed_m_s"], "Speed", { unit: "m/s" }),
+      fields.number(["fleet", "speed_m_s"], "Speed", { unit: "m/s", placeholder: motion.preset(vehicle, "speed_m_s") }),
       ...this.sensor(["fleet", "sensor"], this.fleet.sensor, true),
     );
     const more = el(
@@ -53,13 +60,14 @@ export class FleetForm {
         "div",
         { class: "fields" },
         fields.number(["fleet", "body_radius_m"], "Body radius", { unit: "m", placeholder: "0" }),
-        fields.number(["fleet", "turn_rate_rad_s"], "Turn rate", { unit: "rad/s", help: "Empty: turning takes no time." }),
+        fields.number(["fleet", "turn_rate_rad_s"], "Turn rate", { unit: "rad/s", help: "Empty: turning takes no time.", placeholder: motion.preset(vehicle, "turn_rate_rad_s") }),
         fields.number(["fleet", "turn_radius_m"], "Turn radius", { unit: "m", placeholder: "0", help: "0: turns on the spot. Fixed wings: their arcs." }),
         fields.number(["fleet", "altitude_m"], "Altitude", { unit: "m", placeholder: "30", help: "For exports." }),
       ),
     );
     const list = countOf(this.fleet.robots) === "list" ? this.robotList(robots) : null;
-    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, list].filter((part) => part !== null));
+    const limits = heeded ? motion.limits(["fleet"], vehicle) : null;
+    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, list].filter((part) => part !== null));
     fields.update();
   }
 
@@ -102,9 +110,11 @@ export class FleetForm {
     const { fields } = this;
     const path = ["fleet", "robots", k];
     const speed = this.fleet.speed_m_s;
+    const asFleet = `as the fleet${speed ? `, ${speed}` : ""}`;
     const parts = [
       fields.text([...path, "name"], "Name"),
-      fields.number([...path, "speed_m_s"], "Speed", { unit: "m/s", placeholder: `as the fleet${speed ? `, ${speed}` : ""}` }),
+      this.fleet.vehicle !== undefined || robot?.vehicle !== undefined ? this.motion.vehicle(path, "as the fleet") : null,
+      fields.number([...path, "speed_m_s"], "Speed", { unit: "m/s", placeholder: this.motion.preset(robot?.vehicle, "speed_m_s", asFleet) }),
       ...this.sensor([...path, "sensor"], robot?.sensor ?? undefined, false),
       fields.number([...path, "body_radius_m"], "Body radius", { unit: "m", placeholder: "as the fleet" }),
     ];
