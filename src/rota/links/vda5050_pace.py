@@ -10,13 +10,12 @@ import math
 from dataclasses import replace
 
 from rota.files.vda5050_orders import NumberedStops, Span, Window, end_without_wait
+from rota.links.leg_times import Leg, LegTimes
 from rota.route import RouteStop
 
 SLOWEST = 0.5  # of the planned speed: what a vehicle that is early is slowed down to
-LEARNING = 0.2  # the least weight of the last leg in what legs are expected to take longer
-MOST_LONGER_S, LEAST_LONGER_S = 3.0, -1.0
 AHEAD_S = 6.0  # a vehicle has stops for so long ahead of it, however short its legs are
-LEAST_LEG_S = 1e-3
+LEAST_DRIVE_S = 1e-3
 
 
 class Pace:
@@ -36,7 +35,7 @@ class Pace:
             self._round_s.append(self._round_s[-1] + self._planned_s(number))
         self.zero_s: float | None = None
         self._last, self._last_s, self._kept_s = 0, 0.0, 0.0
-        self._longer_s, self._looks = 0.0, 0
+        self._times = LegTimes()
         self._told: dict[int, RouteStop] = {0: replace(stops.stop(0), hold_s=0.0, turn_s=0.0)}
         self._released_s: dict[int, float] = {}
 
@@ -75,22 +74,15 @@ class Pace:
         """The moment at which it is to be let go on from a stop, before it turns. Never before the start."""
         if self.zero_s is None:
             return math.inf
-        return self.zero_s + self.arrives_s(number) + self.stops.stop(number).wait_s - max(self._longer_s, 0.0)
-
-    @property
-    def late_s(self) -> float | None:
-        """By how much it was late at the last stop that it reached, below 0: early; None before the start."""
-        return None if self.zero_s is None else self._last_s - self.zero_s - self.arrives_s(self._last)
+        lost_s = max(self._times.stop_s, 0.0)
+        return self.zero_s + self.arrives_s(number) + self.stops.stop(number).wait_s - lost_s
 
     def room_s(self) -> float:
-        """What a round leaves to be made up: its waits, and its legs at top speed, less what they take longer."""
-        room_s = 0.0
-        for number in range(len(self.stops.once), len(self.stops.once) + len(self.stops.every_round)):
-            before, stop = self.stops.stop(number - 1), self.stops.stop(number)
-            fastest_m_s = max(self._top_m_s, stop.speed_m_s or 0.0)
-            length_m = math.dist(before.place_m, stop.place_m)
-            planned_s = length_m / (stop.speed_m_s or math.inf)
-            room_s += stop.wait_s + planned_s - length_m / fastest_m_s - self._longer_s
+        """What a round leaves to be made up: its waits, and its legs at top speed, as it is expected to drive them."""
+        room_s, stops = 0.0, self.stops
+        for number in range(len(stops.once), len(stops.once) + len(stops.every_round)):
+            fastest = self._leg(number, max(self._top_m_s, stops.stop(number).speed_m_s or 0.0), waits=False)
+            room_s += self._planned_s(number) - self._times.expected_s(fastest)
         return max(room_s, 0.0)
 
     @property
@@ -104,33 +96,34 @@ class Pace:
         """The vehicle has reached a stop."""
         if number <= self._last or self.zero_s is None or number not in self._told:
             return
-        legs = number - self._last
-        longer_s = (now_s - self._expected_s(number) + legs * self._longer_s) / legs
-        if abs(longer_s) <= MOST_LONGER_S:  # else somebody stood in its way
-            self._looks += 1
-            learned_s = self._longer_s + max(LEARNING, 1 / (self._looks + 1)) * (longer_s - self._longer_s)
-            self._longer_s = min(max(learned_s, LEAST_LONGER_S), MOST_LONGER_S)
+        passed = range(self._last + 1, number + 1)
+        waited_s = sum(self._told[k].wait_s for k in passed[:-1])
+        legs = [self._leg(k, self._told[k].speed_m_s, waits=self._told[k - 1].wait_s > 0) for k in passed]
+        self._times.learn(legs, now_s - waited_s - self._leaves_s(self._last, self._last_s))
         self._last, self._last_s = number, now_s
         for known in (self._told, self._released_s):
-            for passed in [key for key in known if key < number]:
-                del known[passed]
+            for key in [key for key in known if key < number]:
+                del known[key]
 
     def _expected_s(self, number: int) -> float:
         """When it is expected at a stop that has been released, from where it was last."""
         at_s = self._last_s
         for k in range(self._last + 1, number + 1):
-            at_s = self._leaves_s(k - 1, at_s) + self._drive_s(k, self._told[k].speed_m_s)
+            leg = self._leg(k, self._told[k].speed_m_s, waits=self._told[k - 1].wait_s > 0)
+            at_s = self._leaves_s(k - 1, at_s) + self._times.expected_s(leg)
         return at_s
 
     def _leaves_s(self, number: int, arrives_s: float) -> float:
         """When it sets out from a stop that it reaches then: once it has waited, and the next one is released."""
         return max(arrives_s + self._told[number].wait_s, self._released_s.get(number + 1, -math.inf))
 
-    def _drive_s(self, number: int, speed_m_s: float | None) -> float:
-        """How long it is expected to turn and to drive to a stop at a speed."""
-        before, stop = self.stops.stop(number - 1), self.stops.stop(number)
-        length_m = math.dist(before.place_m, stop.place_m)
-        return max(before.turn_s + length_m / (speed_m_s or math.inf) + self._longer_s, LEAST_LEG_S)
+    def _leg(self, number: int, speed_m_s: float | None, *, waits: bool) -> Leg:
+        """The leg to a stop at a speed."""
+        drive_s = self._length_m(number) / (speed_m_s or math.inf)
+        return Leg(turn_s=self.stops.stop(number - 1).turn_s, drive_s=drive_s, waits=waits)
+
+    def _length_m(self, number: int) -> float:
+        return math.dist(self.stops.stop(number - 1).place_m, self.stops.stop(number).place_m)
 
     # ------------------------------------------------------------ what it is told
 
@@ -175,24 +168,22 @@ class Pace:
         for number in range(first + 1, last + 1):
             self._released_s[number] = now_s
             stop = self.stops.stop(number)
-            leaves_s = self._leaves_s(number - 1, at_s)
-            speed_m_s = self._speed_m_s(number, leaves_s)
-            at_s = leaves_s + self._drive_s(number, speed_m_s)
+            leaves_s, waits = self._leaves_s(number - 1, at_s), self._told[number - 1].wait_s > 0
+            speed_m_s = self._speed_m_s(number, leaves_s, waits)
+            at_s = leaves_s + self._times.expected_s(self._leg(number, speed_m_s, waits=waits))
             wait_s = 0.0
             if with_waits and number < last and stop.wait_s > 0:
                 wait_s = max(self.goes_on_s(number) - at_s, 0.0) if self.zero_s is not None else stop.wait_s
             self._told[number] = replace(stop, speed_m_s=speed_m_s, hold_s=wait_s, turn_s=0.0)
 
-    def _speed_m_s(self, number: int, leaves_s: float) -> float | None:
+    def _speed_m_s(self, number: int, leaves_s: float, waits: bool) -> float | None:
         """The speed at which it comes to a stop in time, as far as it may drive so fast or so slowly."""
-        stop = self.stops.stop(number)
+        stop, turn_s = self.stops.stop(number), self.stops.stop(number - 1).turn_s
         if self.zero_s is None or stop.speed_m_s is None:
             return stop.speed_m_s
-        before = self.stops.stop(number - 1)
-        left_s = self.zero_s + self.arrives_s(number) - leaves_s - before.turn_s - self._longer_s
-        fastest_m_s = max(self._top_m_s, stop.speed_m_s)
-        needed_m_s = math.dist(before.place_m, stop.place_m) / max(left_s, LEAST_LEG_S)
-        return min(max(needed_m_s, SLOWEST * stop.speed_m_s), fastest_m_s)
+        drive_s = self._times.drive_s(self.zero_s + self.arrives_s(number) - leaves_s, turn_s, waits)
+        needed_m_s = self._length_m(number) / max(drive_s, LEAST_DRIVE_S)
+        return min(max(needed_m_s, SLOWEST * stop.speed_m_s), max(self._top_m_s, stop.speed_m_s))
 
     def told(self, number: int) -> RouteStop:
         """What the vehicle is told of a stop; of one that is not released, what it may be."""
