@@ -23,7 +23,8 @@ from vda5050.validation.schema_validator import SchemaValidator
 from rota.links.vda5050 import ended
 
 Json = dict[str, Any]
-SCHEMAS = SchemaValidator()
+# of version 2.1, as vda5050-sdk holds them; of 3.0.0 from github.com/VDA5050/VDA5050, less commas that are no JSON
+SCHEMAS, SCHEMAS_3 = SchemaValidator(), SchemaValidator(Path(__file__).parent / "vda5050_3")
 TELLS_S = 0.2  # between states of one that really drives
 STEP_S = 0.02  # in which it drives from one node to the next
 
@@ -33,7 +34,8 @@ class Ways:
     """How a vehicle is special.
 
     keeps: how many nodes of an order it keeps at most. loses: the order update that never arrives the first time.
-    real: it drives at the speeds of the order's edges and does its waits, and does not hop from node to node.
+    refuses_update: the one that it does not take. real: it drives at the speeds of the order's edges and does its
+    waits, and does not hop from node to node. version: what it speaks; it takes no message of another one.
     """
 
     refuses: bool = False
@@ -44,7 +46,10 @@ class Ways:
     cannot_pause: bool = False
     dies_at: int | None = None
     loses: int | None = None
+    refuses_update: int | None = None
     real: bool = False
+    version: str = "2.1.0"
+    factsheet: Json | None = None
 
 
 @dataclass
@@ -67,9 +72,14 @@ class Agv:
     told_s: float = 0.0
     headers: int = 0
     dead: bool = False
+    waits_for_trigger: str = ""
+
+    @property
+    def is_3(self) -> bool:
+        return self.ways.version.startswith("3.")
 
     def topic(self, name: str) -> str:
-        return f"uagv/v2/rota/{self.serial}/{name}"
+        return f"uagv/v{self.ways.version[0]}/rota/{self.serial}/{name}"
 
     async def run(self, client: Client) -> None:
         await client.subscribe(self.topic("order"))
@@ -82,14 +92,21 @@ class Agv:
                     continue
                 name = message.topic.value.rsplit("/", 1)[1]
                 read = json.loads(bytes(message.payload))
-                assert SCHEMAS.errors(name, read) == [], read
-                (self.take_order if name == "order" else self.take_actions)(read)
+                assert (SCHEMAS_3 if self.is_3 else SCHEMAS).errors(name, read) == [], read
+                if read["version"] != self.ways.version:
+                    about = [("topic", name), ("headerId", str(read["headerId"]))]
+                    self.complain("validationError", about, f"{read['version']} is not {self.ways.version}")
+                elif name == "order":
+                    self.take_order(read)
+                else:
+                    await self.take_actions(client, read)
                 await self.tell(client)
         finally:
             driving.cancel()
 
     def connection(self, state: str) -> Json:
-        return {**self.head(), "connectionState": state}
+        told = "CONNECTION_BROKEN" if self.is_3 and state == "CONNECTIONBROKEN" else state
+        return {**self.head(), "connectionState": told}
 
     def head(self) -> Json:
         self.headers += 1
@@ -97,7 +114,7 @@ class Agv:
         return {
             "headerId": self.headers,
             "timestamp": now,
-            "version": "2.1.0",
+            "version": self.ways.version,
             "manufacturer": "rota",
             "serialNumber": self.serial,
         }
@@ -108,8 +125,10 @@ class Agv:
         if order["orderUpdateId"] == self.ways.loses and self.taken.count(self.taken[-1]) == 1:
             return
         if self.ways.refuses:
-            reference = {"referenceKey": "orderId", "referenceValue": ident}
-            self.errors = [{"errorType": "orderError", "errorLevel": "WARNING", "errorReferences": [reference]}]
+            self.complain("orderError", [("orderId", ident)])
+            return
+        if order["orderUpdateId"] == self.ways.refuses_update:
+            self.complain("orderUpdateError", [("orderId", ident)], "too far")
             return
         if self.order is not None and self.order["orderId"] == ident:
             if order["orderUpdateId"] <= self.order["orderUpdateId"]:
@@ -131,8 +150,13 @@ class Agv:
             for action in node["actions"]:
                 self.actions.setdefault(action["actionId"], "WAITING")
 
-    def take_actions(self, message: Json) -> None:
-        for action in message["actions"]:
+    def complain(self, kind: str, about: list[tuple[str, str]], text: str | None = None) -> None:
+        references = [{"referenceKey": key, "referenceValue": value} for key, value in about]
+        told = {} if text is None else {"errorDescription": text}
+        self.errors = [{"errorType": kind, "errorLevel": "WARNING", "errorReferences": references, **told}]
+
+    async def take_actions(self, client: Client, message: Json) -> None:
+        for action in message["instantActions" if self.ways.version.startswith("2.0") else "actions"]:
             kind, ident = action["actionType"], action["actionId"]
             if ident in self.actions:
                 continue
@@ -146,13 +170,21 @@ class Agv:
                 if not self.nodes:
                     self.actions[ident] = "FAILED"
                 self.nodes, self.edges = [], []
+            elif kind == "factsheetRequest" and self.ways.factsheet is not None:
+                await client.publish(self.topic("factsheet"), json.dumps({**self.head(), **self.ways.factsheet}))
+            elif kind == "trigger":
+                self.actions[self.waits_for_trigger] = "FINISHED"
+                self.waits_for_trigger = ""
 
     def pass_node(self, node: Json) -> None:
         self.last = node
         self.place = (node["nodePosition"]["x"], node["nodePosition"]["y"])
         self.passed.append(self.place)
         for action in node["actions"]:
-            self.actions[action["actionId"]] = "FINISHED"
+            waits = action["actionType"] == "waitForTrigger"
+            self.actions[action["actionId"]] = "RUNNING" if waits else "FINISHED"
+            if waits:
+                self.waits_for_trigger = action["actionId"]
 
     async def drive(self, client: Client) -> None:
         while True:
@@ -160,7 +192,8 @@ class Agv:
             await asyncio.sleep(STEP_S)
             if self.ways.real and before_s > self.told_s + TELLS_S:
                 await self.tell(client)
-            if self.dead or self.paused or not self.nodes or not self.nodes[0]["released"]:
+            stands = self.dead or self.paused or self.waits_for_trigger or not self.nodes
+            if stands or not self.nodes[0]["released"]:
                 continue
             if self.ways.real:
                 self.drive_on(time.monotonic() - before_s)
@@ -180,7 +213,8 @@ class Agv:
             self.waits_s, left_s = self.waits_s - waited_s, left_s - waited_s
             end = self.nodes[0]["nodePosition"]
             away_m = math.dist(self.place, (end["x"], end["y"]))
-            driven_m = left_s * (self.edges[0]["maxSpeed"] or math.inf)
+            speed_m_s = self.edges[0]["maximumSpeed" if self.is_3 else "maxSpeed"] or math.inf
+            driven_m = left_s * speed_m_s
             if self.waits_s > 0 or left_s <= 0:
                 return
             if driven_m < away_m:
@@ -188,21 +222,38 @@ class Agv:
                 x, y = self.place
                 self.place = (x + share * (end["x"] - x), y + share * (end["y"] - y))
                 return
-            left_s -= away_m / (self.edges[0]["maxSpeed"] or math.inf)
-            waits = [float(action["actionParameters"][0]["value"]) for action in self.nodes[0]["actions"]]
+            left_s -= away_m / speed_m_s
+            timed = [action for action in self.nodes[0]["actions"] if action["actionType"] != "waitForTrigger"]
             self.reach_node()
-            self.waits_s = sum(waits)
+            self.waits_s = sum(float(action["actionParameters"][0]["value"]) for action in timed)
+            if self.waits_for_trigger:
+                return
 
     async def tell(self, client: Client) -> None:
         if not self.dead:
             self.told_s, state = time.monotonic(), self.state()
-            assert SCHEMAS.errors("state", state) == [], state
+            assert (SCHEMAS_3 if self.is_3 else SCHEMAS).errors("state", state) == [], state
             await client.publish(self.topic("state"), json.dumps(state))
 
     def state(self) -> Json:
         x, y = self.place
-        states = [{"actionId": ident, "actionStatus": status} for ident, status in self.actions.items()]
+        states = [{"actionId": ident, "actionStatus": status} for ident, status in self.actions.items()][-1000:]
         node_keys, edge_keys = ("nodeId", "sequenceId", "released"), ("edgeId", "sequenceId", "released")
+        place = {"x": x, "y": y, "theta": 0.0, "mapId": self.ways.map_id}
+        of_version: Json = {
+            "actionStates": states,
+            "agvPosition": {**place, "positionInitialized": True},
+            "batteryState": {"batteryCharge": 70.0, "charging": False},
+            "safetyState": {"eStop": "NONE", "fieldViolation": False},
+        }
+        if self.is_3:
+            of_version = {
+                "actionStates": [each for each in states if ":" in each["actionId"]],
+                "instantActionStates": [each for each in states if ":" not in each["actionId"]],
+                "mobileRobotPosition": {**place, "localized": True},
+                "powerSupply": {"stateOfCharge": 70.0, "charging": False},
+                "safetyState": {"activeEmergencyStop": "NONE", "fieldViolation": False},
+            }
         return {
             **self.head(),
             "orderId": self.order["orderId"] if self.order else "",
@@ -214,11 +265,8 @@ class Agv:
             "operatingMode": "AUTOMATIC" if self.ways.automatic else "MANUAL",
             "nodeStates": [{key: node[key] for key in node_keys} for node in self.nodes],
             "edgeStates": [{key: edge[key] for key in edge_keys} for edge in self.edges],
-            "actionStates": states[-1000:],
-            "agvPosition": {"x": x, "y": y, "theta": 0.0, "mapId": self.ways.map_id, "positionInitialized": True},
-            "batteryState": {"batteryCharge": 70.0, "charging": False},
             "errors": self.errors,
-            "safetyState": {"eStop": "NONE", "fieldViolation": False},
+            **of_version,
         }
 
 

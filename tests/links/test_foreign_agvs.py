@@ -19,6 +19,7 @@ from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
 from rota.live.driving import Driving
 from rota.live.keeping import Keeping
+from rota.live.ready import make_ready
 from rota.live.watch import Watch
 from rota.mission import Zone
 from rota.plan import Plan, Trajectory
@@ -102,6 +103,7 @@ async def send_and_start(shift: Shift, clock: FastTime) -> None:
 def test_three_keep_their_phase_for_four_rounds_while_one_dies(
     port: int, given: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    make_ready()
     clock = FastTime(rate=5.0)
     clock.let_links_have_it(monkeypatch)
 

@@ -56,8 +56,8 @@ def with_link(port: int, plan: Plan, agvs: list[Agv], what: Callable[[Any], Awai
     return asyncio.run(run())
 
 
-async def until(is_so: Callable[[], bool]) -> None:
-    async with asyncio.timeout(20):
+async def until(is_so: Callable[[], bool], within_s: float = 20) -> None:
+    async with asyncio.timeout(within_s):
         while not is_so():
             await asyncio.sleep(0.01)
 

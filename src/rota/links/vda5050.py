@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from rota.errors import LinkError
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window
-from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, protocol_of, wait_action_given
+from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, wait_action_given
 from rota.links.extras import required
 from rota.links.reporting import RealTimeLink
 from rota.links.vda5050_broker import BY_RELEASE, Broker, Vda5050Settings
@@ -36,6 +36,7 @@ from rota.route import Place3, Route, route_of
 END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
 RELEASE_S = 0.1  # between two looks whether stops are to be released
 INTRODUCED_S = 1.0  # within which the broker tells what it has kept of a vehicle
+KEPT_S = 0.1  # between the first and the last of that
 FACTSHEET_S = 3.0  # that a vehicle has for its factsheet
 # several states of a moment, told in milliseconds, come one after another
 ONE_INSTANT_S, SHORTEST_S = 0.01, 1e-3
@@ -162,13 +163,10 @@ class Vda5050Link(RealTimeLink):
 
     async def _use(self, vehicle: Vda5050Vehicle, level: str, name: str, read: Json) -> None:
         version = version_of(read)
-        protocol = protocol_of(version)
+        protocol = vehicle.hear_version(level, version, by_state=name == "state")
         connection = connection_of(read) if name == "connection" else ""
         if connection in ("OFFLINE", *LOST) and vehicle.level not in ("", level):
             return  # what the broker has kept of the version that it spoke before
-        vehicle.version, vehicle.level = version, level
-        if protocol is not None:
-            vehicle.speak(protocol)
         if connection:
             await self._connected(vehicle, connection)
         elif protocol is None:
@@ -238,10 +236,8 @@ class Vda5050Link(RealTimeLink):
         with suppress(TimeoutError):
             async with asyncio.timeout(min(INTRODUCED_S, limit_s)), vehicle.news:
                 await vehicle.news.wait_for(lambda: vehicle.connection == "ONLINE")
-        if vehicle.version and protocol_of(vehicle.version) is None:
-            raise LinkError(f"robot {name}: it speaks VDA 5050 {vehicle.version:.25}; {SPOKEN} are spoken here")
-        _, message = vehicle.instant_action("stateRequest")
-        await self._talk.until(vehicle, "being heard", "instantActions", message, lambda _: True, limit_s)
+        await asyncio.sleep(KEPT_S)
+        await self._talk.introduce(vehicle, limit_s)
         state = vehicle.state
         assert state is not None
         if state.place_m is not None and state.map_id != self._settings.map_id:

@@ -6,9 +6,10 @@ import asyncio
 import json
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 
 from rota.errors import LinkError
-from rota.files.vda5050_versions import Json
+from rota.files.vda5050_versions import SPOKEN, Json
 from rota.links.vda5050_broker import Broker, Vda5050Settings
 from rota.links.vda5050_state import MOST_TEXT, VehicleState
 from rota.links.vda5050_vehicle import ASK_AGAIN_S, ENDED, Vda5050Vehicle
@@ -30,11 +31,37 @@ class Talk:
         if len(self._others) < MOST_OTHERS:
             self._others.add(name[:MOST_TEXT])
 
-    async def publish(self, vehicle: Vda5050Vehicle, name: str, message: Json) -> None:
-        """Send a message to one of its topics."""
-        level = vehicle.level or vehicle.identity.protocol.level
+    async def publish(self, vehicle: Vda5050Vehicle, name: str, message: Json, level: str = "") -> None:
+        """Send a message to one of its topics, on the level of its own unless another is given."""
+        level = level or vehicle.level or vehicle.identity.protocol.level
         to = f"{self._settings.manufacturer}/{vehicle.identity.serial_number}"
         await self._broker.publish(f"{self._settings.interface}/{level}/{to}/{name}", json.dumps(message))
+
+    async def introduce(self, vehicle: Vda5050Vehicle, limit_s: float) -> None:
+        """Ask for a vehicle's state, in every version that it may speak, until it is heard; LinkError if it is not."""
+        try:
+            async with asyncio.timeout(limit_s):
+                while vehicle.state is None and not self.lost:
+                    asked = dict(vehicle.versions)
+                    if asked and not vehicle.spoken:
+                        raise LinkError(f"robot {vehicle.robot}: {_unspoken(vehicle)}")
+                    for level, protocol in (vehicle.spoken or {"": vehicle.identity.protocol}).items():
+                        _, message = vehicle.instant_action("stateRequest", protocol)
+                        await self.publish(vehicle, "instantActions", message, level)
+                    await self._news(vehicle, partial(self._is_heard, vehicle, asked))
+        except TimeoutError:
+            raise self._late(vehicle, "being heard", limit_s) from None
+        if self.lost:
+            raise LinkError(f"robot {vehicle.robot}: being heard: {self.lost}")
+
+    def _is_heard(self, vehicle: Vda5050Vehicle, asked: dict[str, str]) -> bool:
+        return vehicle.state is not None or vehicle.versions != asked or bool(self.lost)
+
+    async def _news(self, vehicle: Vda5050Vehicle, is_so: Callable[[], object]) -> None:
+        """Wait until news of the vehicle make it so, or it is time to ask again."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(ASK_AGAIN_S), vehicle.news:
+                await vehicle.news.wait_for(is_so)
 
     async def act(self, vehicle: Vda5050Vehicle, kind: str, is_done: Callable[[VehicleState], bool]) -> None:
         """Send an instant action, and wait until the vehicle's state is what it leads to."""
@@ -74,13 +101,9 @@ class Talk:
             async with asyncio.timeout(limit_s):
                 while not is_over():
                     await self.publish(vehicle, topic, message)
-                    with suppress(TimeoutError):
-                        async with asyncio.timeout(ASK_AGAIN_S), vehicle.news:
-                            await vehicle.news.wait_for(is_over)
+                    await self._news(vehicle, is_over)
         except TimeoutError:
-            raise LinkError(
-                f"robot {vehicle.robot}: {what}: not done within {limit_s:g} s{self._hint(vehicle)}"
-            ) from None
+            raise self._late(vehicle, what, limit_s) from None
         if self.lost:
             raise LinkError(f"robot {vehicle.robot}: {what}: {self.lost}")
         if vehicle.state is None or not is_done(vehicle.state):
@@ -88,13 +111,23 @@ class Talk:
             told = error.text() if error else f"the vehicle failed to{self._hint(vehicle)}"
             raise LinkError(f"robot {vehicle.robot}: {what}: {told}")
 
+    def _late(self, vehicle: Vda5050Vehicle, what: str, limit_s: float) -> LinkError:
+        return LinkError(f"robot {vehicle.robot}: {what}: not done within {limit_s:g} s{self._hint(vehicle)}")
+
     def _hint(self, vehicle: Vda5050Vehicle) -> str:
         """Why a vehicle may not have been heard, or not have done as it was told."""
         if vehicle.connection not in ("", "ONLINE"):
             return f"; the broker says that it is {vehicle.connection}"
+        if len(vehicle.spoken) < len(vehicle.versions):
+            return f"; {_unspoken(vehicle)}"
         if vehicle.state is None and self._others:
             wanted = f"{self._settings.manufacturer}/{vehicle.identity.serial_number}"
             return f"; {wanted} is needed, and the broker knows of {', '.join(sorted(self._others))}"
         if vehicle.errors:
             return f"; it reports {'; '.join(error.text() for error in vehicle.errors[-MOST_ERRORS:])}"
         return ""
+
+
+def _unspoken(vehicle: Vda5050Vehicle) -> str:
+    versions = sorted(set(vehicle.versions.values()) - {protocol.version for protocol in vehicle.spoken.values()})
+    return f"it speaks VDA 5050 {', '.join(version[:25] for version in versions)}; {SPOKEN} are spoken here"

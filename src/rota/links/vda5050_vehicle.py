@@ -11,7 +11,7 @@ from typing import Any
 
 from rota.files.timed_places import instant_text
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window, order_message, wait_id
-from rota.files.vda5050_versions import Protocol, WaitAction
+from rota.files.vda5050_versions import Protocol, WaitAction, protocol_of
 from rota.links.link import Mode
 from rota.links.vda5050_pace import Pace
 from rota.links.vda5050_state import Part, VehicleError, VehicleState
@@ -20,6 +20,7 @@ from rota.route import Route, RouteStop
 Json = dict[str, Any]
 
 ENDED = ("FINISHED", "FAILED")
+MOST_LEVELS = 5  # of topics on which a vehicle is heard
 ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may lose messages
 
 
@@ -27,7 +28,8 @@ ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may l
 class Vda5050Vehicle:
     """What is known of a vehicle. ``planned``: the stops of its robot, also where another program has sent it.
 
-    ``version``, ``level``: what it says that it speaks, and the second level of its topics; empty until it is heard.
+    ``versions``: what it says that it speaks, by the second level of its topics; ``level``: the one that its states
+    have, empty until one is heard.
     ``has_factsheet``: whether it has told one; ``knows_to_wait``: the action by which it waits, as that tells.
     ``news`` is told of every message. ``was_away``: it or the broker was
     lost since it was last asked for its state.
@@ -38,7 +40,7 @@ class Vda5050Vehicle:
     top_speed_m_s: float
     window: Window
     state: VehicleState | None = None
-    version: str = ""
+    versions: dict[str, str] = field(default_factory=dict)
     level: str = ""
     has_factsheet: bool = False
     knows_to_wait: WaitAction | None = None
@@ -58,9 +60,24 @@ class Vda5050Vehicle:
         """The robot's name."""
         return self.planned.robot
 
-    def speak(self, protocol: Protocol) -> None:
-        """Speak to it by this version from now on."""
-        self.identity = replace(self.identity, protocol=protocol)
+    def hear_version(self, level: str, version: str, *, by_state: bool) -> Protocol | None:
+        """It says that it speaks a version on topics of a level; its states decide which of them it is spoken to in.
+
+        Brokers also keep what vehicles said before they were given a newer one. Returns the version's protocol.
+        """
+        if level in self.versions or len(self.versions) < MOST_LEVELS:
+            self.versions[level] = version
+        protocol = protocol_of(version)
+        if protocol is not None and (by_state or not self.level):
+            self.identity = replace(self.identity, protocol=protocol)
+            self.level = level if by_state else ""
+        return protocol
+
+    @property
+    def spoken(self) -> dict[str, Protocol]:
+        """The versions that it says it speaks and that are spoken here, by their levels."""
+        known = {level: protocol_of(version) for level, version in self.versions.items()}
+        return {level: protocol for level, protocol in known.items() if protocol is not None}
 
     def order(self, stops: NumberedStops) -> Json:
         """A new order for a route's stops, which replaces what it had."""
@@ -159,10 +176,10 @@ class Vda5050Vehicle:
         self._sent_s = time.monotonic()
         return self._order
 
-    def instant_action(self, kind: str) -> tuple[str, Json]:
-        """An instant action without parameters: its id, and the message."""
+    def instant_action(self, kind: str, protocol: Protocol | None = None) -> tuple[str, Json]:
+        """An instant action without parameters, by another version if one is given: its id, and the message."""
         self._header += 1
-        action_id, protocol = f"{kind}-{uuid.uuid4().hex}", self.identity.protocol
+        action_id, protocol = f"{kind}-{uuid.uuid4().hex}", protocol or self.identity.protocol
         blocking = protocol.instant_blocking if kind in ("startPause", "stopPause", "cancelOrder") else "NONE"
         action = {"actionType": kind, "actionId": action_id, "blockingType": blocking, "actionParameters": []}
         message = {
