@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -127,11 +128,14 @@ def test_three_keep_their_phase_for_four_rounds_while_one_dies(
     assert [text.split(":")[0] for text in shift.told] == ["c is lost"]
 
 
-def test_a_vehicle_of_a_version_that_is_not_spoken_is_told_so(port: int) -> None:
+def test_a_vehicle_of_a_version_that_is_not_spoken_is_told_so(tmp_path: Path) -> None:
+    require_node()
+
     async def nothing(_: Shift) -> None:
         raise AssertionError("it was opened")
 
-    with pytest.raises(LinkError, match=r"robot a: it speaks VDA 5050 1\.1\.0; 2\.0, 2\.1 and 3\.0 are spoken here"):
+    known = r"robot a: it speaks VDA 5050 1\.1\.0; 2\.0, 2\.1 and 3\.0 are spoken here"
+    with broker(tmp_path) as port, pytest.raises(LinkError, match=known):
         with_foreign(port, FastTime(), nothing, version="1.1.0")
 
 

@@ -31,19 +31,20 @@ def route(*, speed_m_s: float, holds_s: tuple[float, ...]) -> Route:
 
 @dataclass
 class Vehicle:
-    """What a vehicle takes: its pace as a share of what it is told, what it loses at stops, and how it turns."""
+    """What a vehicle takes: its pace as a share of what it is told, what it loses, and how it turns."""
 
     share: float = 1.0
     noise_s: float = 0.0
     turns: float = 0.0
     blocked_s: float = 0.0
+    loses_s: float = 0.0
 
     def leg_s(self, pace: Pace, number: int, rng: random.Random) -> float:
         length_m = math.dist(pace.stops.stop(number - 1).place_m, pace.stops.stop(number).place_m)
         turn_s = self.turns * pace.stops.stop(number - 1).turn_s
         blocked_s = self.blocked_s if number == 10 else 0.0
         speed_m_s = self.share * (pace.told(number).speed_m_s or math.inf)
-        return turn_s + length_m / speed_m_s + abs(rng.gauss(0, self.noise_s)) + blocked_s
+        return turn_s + self.loses_s + length_m / speed_m_s + abs(rng.gauss(0, self.noise_s)) + blocked_s
 
 
 def late_s(pace: Pace, vehicle: Vehicle, rounds: int, *, seed: int = 0, with_waits: bool = False) -> list[float]:
@@ -94,6 +95,15 @@ def test_what_cannot_be_made_up_stays_late_and_is_told_to_leave_no_room() -> Non
     assert late[-1] == pytest.approx(40 * (10 / 0.95 - 10), abs=40 * STEP_S)
     assert pace.room_s() == 0.0
     assert Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(2.0, 0.0, 2.0))), 1.25).room_s() == pytest.approx(12.0)
+
+
+def test_a_vehicle_that_speeds_up_and_brakes_as_planned_is_told_the_plan_s_speeds() -> None:
+    given = route(speed_m_s=1.0, holds_s=(0.0, 0.0, 0.0))
+    slow = [replace(stop, planned_s=12.0) for stop in (*given.loop, given.closing) if stop is not None]
+    pace = Pace(NumberedStops(replace(given, loop=tuple(slow[:-1]), closing=slow[-1])), 1.5)
+    late = late_s(pace, Vehicle(loses_s=2.0), 3)
+    assert max(map(abs, late)) < 0.3
+    assert pace.told(pace.end).speed_m_s == pytest.approx(1.0, abs=0.05)
 
 
 def test_the_clock_of_all_may_go_more_slowly() -> None:

@@ -39,7 +39,7 @@ INTRODUCED_S = 1.0  # within which the broker tells what it has kept of a vehicl
 KEPT_S = 0.1  # between the first and the last of that
 FACTSHEET_S = 3.0  # that a vehicle has for its factsheet
 # several states of a moment, told in milliseconds, come one after another
-ONE_INSTANT_S, SHORTEST_S = 0.01, 1e-3
+ONE_INSTANT_S, SHORTEST_S = 0.01, 2e-3
 MOST_TROUBLES = 3  # vehicles of which it is told at once what is wrong with them
 
 SETTINGS = Vda5050Settings
@@ -210,7 +210,7 @@ class Vda5050Link(RealTimeLink):
     def _offer(self, vehicle: Vda5050Vehicle, place_m: tuple[float, float], unix_s: float) -> bool:
         position_m: Place3 = (*place_m, vehicle.planned.once[0].place_m[2])
         time_s, last = self._clock.of_unix_s(unix_s), self.latest(vehicle.robot)
-        if last is not None and 0 <= last.time_s - time_s < ONE_INSTANT_S:
+        if last is not None and -ONE_INSTANT_S < time_s - last.time_s < SHORTEST_S:
             time_s = last.time_s + SHORTEST_S
         return self._inbox.offer(
             now_s=self._clock.now_s(),

@@ -119,8 +119,13 @@ class Pace:
 
     def _leg(self, number: int, speed_m_s: float | None, *, waits: bool) -> Leg:
         """The leg to a stop at a speed."""
-        drive_s = self._length_m(number) / (speed_m_s or math.inf)
+        drive_s = self._lost_s(number) + self._length_m(number) / (speed_m_s or math.inf)
         return Leg(turn_s=self.stops.stop(number - 1).turn_s, drive_s=drive_s, waits=waits)
+
+    def _lost_s(self, number: int) -> float:
+        """How long the robot takes to a stop by plan beyond what its speed says: it speeds up and brakes."""
+        before, stop = self.stops.stop(number - 1), self.stops.stop(number)
+        return max(stop.drive_s(before.place_m) - self._length_m(number) / (stop.speed_m_s or math.inf), 0.0)
 
     def _length_m(self, number: int) -> float:
         return math.dist(self.stops.stop(number - 1).place_m, self.stops.stop(number).place_m)
@@ -182,7 +187,7 @@ class Pace:
         if self.zero_s is None or stop.speed_m_s is None:
             return stop.speed_m_s
         drive_s = self._times.drive_s(self.zero_s + self.arrives_s(number) - leaves_s, turn_s, waits)
-        needed_m_s = self._length_m(number) / max(drive_s, LEAST_DRIVE_S)
+        needed_m_s = self._length_m(number) / max(drive_s - self._lost_s(number), LEAST_DRIVE_S)
         return min(max(needed_m_s, SLOWEST * stop.speed_m_s), max(self._top_m_s, stop.speed_m_s))
 
     def told(self, number: int) -> RouteStop:
