@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from rota.constant_speeds import at_constant_speeds
 from rota.passed_stops import PassedStop, passed_stops
 from rota.plan import Trajectory
 
@@ -66,7 +67,8 @@ class Route:
 
     start_m: where it begins, and the height to which it takes off. The first stop of the loop (one at least) is reached
     from the approach once and from ``closing``, which has the same place, ever after. closing None: the robot stays at
-    the loop's only stop.
+    the loop's only stop. planned: the way itself of a robot whose speed changes along its legs, at constant speeds on
+    shorter ones, for those who drive by a clock; None: straight from stop to stop.
     """
 
     robot: str
@@ -75,6 +77,7 @@ class Route:
     loop: tuple[RouteStop, ...]
     closing: RouteStop | None
     fence: Fence | None = None
+    planned: Trajectory | None = field(default=None, compare=False, repr=False)
 
     @property
     def once(self) -> tuple[RouteStop, ...]:
@@ -140,7 +143,14 @@ def _route_past_corners(trajectory: Trajectory, altitude_m: float) -> Route:
     before, a_round = passed_stops(trajectory)
     approach = stops_of(before)
     x, y = trajectory.positions_m[0, :2].tolist()
-    route = Route(robot=trajectory.robot, start_m=(x, y, altitude_m), approach=(), loop=(approach[-1],), closing=None)
+    route = Route(
+        robot=trajectory.robot,
+        start_m=(x, y, altitude_m),
+        approach=(),
+        loop=(approach[-1],),
+        closing=None,
+        planned=at_constant_speeds(trajectory),
+    )
     if len(a_round) > 1:
         first, *others, closing = stops_of(a_round)
         # what the robot waits there in every round, and what of it in the first

@@ -6,12 +6,15 @@ import math
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from tests.files.with_mass import with_mass
 from tests.links.fleets import ALTITUDE_M, loop_of, plan_of, routes_of, staying
 
 from rota.errors import RotaError
 from rota.links.link_settings import make_link
 from rota.links.ros2_route import TimedPath, path_differences, timed_path
+from rota.route import route_of
 
 LOOP = timed_path(routes_of(plan_of(loop_of("a", 0.0)))[0])
 
@@ -22,6 +25,19 @@ def test_a_path_has_the_plans_times_and_its_loop() -> None:
     assert [place[:2] for place in LOOP.places_m] == [tuple(place) for place in trajectory.positions_m.tolist()]
     assert {place[2] for place in LOOP.places_m} == {ALTITUDE_M}
     assert LOOP.loop_ns == 2_000_000_000
+
+
+def test_a_path_of_a_robot_with_motion_is_its_way_and_not_its_corners() -> None:
+    plan = with_mass()
+    moving = plan.trajectories[0]
+    path = timed_path(route_of(moving, ALTITUDE_M))
+    times_s = np.array(path.times_ns) / 1e9
+    assert len(times_s) > len(moving.times_s)
+    assert path.loop_ns == pytest.approx(moving.loop_start_s * 1e9, abs=1)
+    np.testing.assert_allclose(
+        np.array(path.places_m)[:, :2], moving.at(np.minimum(times_s, moving.times_s[-1])), atol=1e-6
+    )
+    assert {place[2] for place in path.places_m} == {ALTITUDE_M}
 
 
 def test_a_robot_that_stays_ends_where_its_loop_begins() -> None:

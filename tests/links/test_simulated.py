@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.files.with_mass import with_mass
 from tests.links.fleets import dropped, loop_of, plan_of, reports_until, routes_of, send_and_start, three
 
 from rota.errors import LinkError, RotaError
@@ -45,6 +46,21 @@ def test_exact_vehicles_are_where_the_plan_has_them_in_every_round() -> None:
         expected = [*planned_m(trajectories[report.robot], report.time_s), 25.0]
         np.testing.assert_allclose(report.position_m, expected, atol=1e-6)
     assert {report.mode for report in reports} == {"running"}
+
+
+def test_exact_vehicles_with_motion_speed_up_and_cut_corners_as_planned() -> None:
+    plan = with_mass()
+    moving = plan.trajectories[0]
+    reports = [report for report in driven(plan, 200.0, *EXACT) if report.robot == "a"]
+    assert len(reports) > 900
+    planned = moving.at([report.time_s for report in reports])
+    told = np.array([report.position_m[:2] for report in reports])
+    assert np.linalg.norm(told - planned, axis=1).max() < 0.05 + 1e-6
+    # only where it waits it stops, and loses time
+    late = [report for report in driven(plan, 200.0, *EXACT, "stop_noise_s=1") if report.robot == "a"]
+    off = np.linalg.norm(np.array([report.position_m[:2] for report in late]) - planned, axis=1)
+    assert off[: int(5 * moving.loop_start_s)].max() < 0.05 + 1e-6
+    assert off.max() > 1
 
 
 def test_the_same_seed_gives_the_same_reports_and_another_one_others() -> None:

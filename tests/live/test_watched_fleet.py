@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from shapely import box
+from tests.files.with_mass import with_mass
 from tests.live.two_robots import ENDS_PERIOD_S, ROUND_S, SPEED_M_S, driven, two_robots
 
 from rota.draw.routes import positions_at
@@ -39,6 +40,21 @@ def test_nothing_is_told_of_robots_that_keep_to_a_plan_that_holds() -> None:
     # the farthest lattice point of the zone is seen last from within its reach: at most a round's half apart
     assert 18.0 < worst["left"] <= ROUND_S / 2
     assert watch.lapses == 0
+
+
+def test_robots_that_speed_up_and_brake_as_planned_are_on_time() -> None:
+    plan = with_mass()
+    watch = watched(plan)
+    for time_s in np.arange(0.0, 150.0, 0.25).tolist():
+        for number, way in enumerate(plan):
+            x, y = way.at(time_s).tolist()
+            watch.take(Heard(time_s, number, time_s, x, y, 25.0, None, "running"))
+        watch.take(Tick(time_s))
+        moving = watch.state().robots[0]
+        assert moving.away_m < 0.06
+        # where it stands or hardly moves five centimetres are worth some time
+        assert abs(moving.lag_s) < 0.5
+        assert moving.standing == "ok"
 
 
 def test_ages_of_a_place_are_the_time_since_a_robot_was_in_reach() -> None:

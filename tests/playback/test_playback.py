@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from shapely import Point, box, union_all
+from tests.files.with_mass import with_mass
 from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_looked_up_s, ages_s, centres_m
@@ -40,6 +41,22 @@ def test_ages_are_those_of_looking_all_the_time(plan: Plan) -> None:
         assert np.isfinite(near).mean() > 0.99
         assert (near >= -1e-4).all()
         assert np.quantile(near, 0.98) <= STEP_S + 1e-4, time_s
+
+
+def test_robots_with_motion_are_played_where_they_are() -> None:
+    plan = with_mass()
+    moving = plan.trajectories[0]
+    header, arrays = unpacked(playback_of(plan, check_plan(plan), cells=300))
+    first, end = arrays["corner_offsets"][:2]
+    times_s = np.linspace(0, moving.times_s[-1], 3000)
+    played = [
+        np.interp(times_s, arrays["corner_time_s"][first:end], arrays[f"corner_{axis}_m"][first:end]) for axis in "xy"
+    ]
+    assert np.linalg.norm(np.column_stack(played) - moving.at(times_s), axis=1).max() < 0.05 + 1e-4
+    assert (header["robots"][0]["loop_start_s"], header["robots"][0]["end_s"]) == (
+        moving.loop_start_s,
+        moving.times_s[-1],
+    )
 
 
 def test_worst_gaps_are_the_checks() -> None:

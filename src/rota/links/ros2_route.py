@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rota.plan import Trajectory
 from rota.route import Place3, Route, RouteStop
 
 SAME_M, SAME_S = 1e-3, 1e-3
@@ -27,6 +28,8 @@ class TimedPath:
 
 def timed_path(route: Route) -> TimedPath:
     """The route by the clock of a robot that keeps its speeds and waits exactly."""
+    if route.planned is not None:
+        return _as_planned(route.planned, route.start_m[2])
     places, times_s = [route.start_m], [0.0]
 
     def go_through(stops: tuple[RouteStop, ...]) -> None:
@@ -45,6 +48,15 @@ def timed_path(route: Route) -> TimedPath:
         places_m=tuple(places),
         times_ns=tuple(round(time_s * NS_PER_S) for time_s in times_s),
         loop_ns=round(loop_s * NS_PER_S),
+    )
+
+
+def _as_planned(planned: Trajectory, height_m: float) -> TimedPath:
+    """A trajectory's own points, at a height in metres where it has none."""
+    return TimedPath(
+        places_m=tuple((at[0], at[1], at[2] if len(at) > 2 else height_m) for at in planned.positions_m.tolist()),
+        times_ns=tuple(round(time_s * NS_PER_S) for time_s in planned.times_s.tolist()),
+        loop_ns=round(planned.loop_start_s * NS_PER_S),
     )
 
 

@@ -128,7 +128,7 @@ class SimulatedLink(ReportingLink):
         if kind == "refuses":
             raise LinkError(f"robot {route.robot}: it refuses its route")
         if kind == "half":
-            route = replace(route, approach=(), loop=route.loop[: max(1, len(route.loop) // 2)])
+            route = replace(route, approach=(), loop=route.loop[: max(1, len(route.loop) // 2)], planned=None)
         vehicle.route, vehicle.mode = route, "ready"
         self._fleet.give(self._number[route.robot], drive_of(route))
 

@@ -5,6 +5,7 @@ A vehicle's route is a chain of segments: straight at constant speed, or a wait.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.links.link import Mode
+from rota.plan import Trajectory
 from rota.route import Place3, Route, RouteStop
 
 Floats = NDArray[np.float64]
@@ -24,12 +26,13 @@ HOME_SPEED_M_S = 1.0  # of a vehicle that is called home and never had a speed
 
 
 class Segment(NamedTuple):
-    """From one place to another in ``duration_s``; a wait where they are the same."""
+    """From one place to another in ``duration_s``; a wait where they are the same. stops: whether it ends at a stop."""
 
     start_m: Place3
     end_m: Place3
     duration_s: float
     is_drive: bool
+    stops: bool = True
 
 
 @dataclass(kw_only=True)
@@ -45,9 +48,26 @@ class Drive:
 
 def drive_of(route: Route) -> Drive:
     """A route as segments; it begins at the route's start on the height that the vehicle takes off to."""
+    if route.planned is not None:
+        return _drive_as_planned(route.planned, route.start_m[2])
     once = _segments(route.start_m, route.once)
     rounds = _segments(route.loop[0].place_m, route.every_round)
     return Drive(segments=once + rounds, repeats_from=len(once) if rounds else None)
+
+
+def _drive_as_planned(planned: Trajectory, height_m: float) -> Drive:
+    """A trajectory as segments, at a height in metres where it has none; it stops where it waits."""
+    places: list[Place3] = [(at[0], at[1], at[2] if len(at) > 2 else height_m) for at in planned.positions_m.tolist()]
+    durations_s = np.diff(planned.times_s).tolist()
+    waits = [start == end for start, end in itertools.pairwise(places)]
+    after = [*waits[1:], bool(waits) and waits[planned.loop_index % len(waits)]]
+    segments = [
+        Segment(start, end, duration_s, not wait, wait or next_waits)
+        for (start, end), duration_s, wait, next_waits in zip(
+            itertools.pairwise(places), durations_s, waits, after, strict=True
+        )
+    ]
+    return Drive(segments=segments, repeats_from=planned.loop_index if planned.loop_duration_s > 0 else None)
 
 
 def drive_home(place_m: Place3, home_m: Place3, speed_m_s: float) -> Drive:
@@ -82,7 +102,8 @@ class Vehicle:
 class Tables:
     """The drives of all vehicles end to end: (s, 3) metres, (s,) seconds, and which segment comes after each.
 
-    most: (s,) how many times as fast as told a vehicle drives a segment at most.
+    most: (s,) how many times as fast as told a vehicle drives a segment at most. stops: (s,) whether it drives there to
+    a stop.
     """
 
     start_m: Floats
@@ -90,6 +111,7 @@ class Tables:
     duration_s: Floats
     is_drive: NDArray[np.bool_]
     most: Floats
+    stops: NDArray[np.bool_]
     after: NDArray[np.int64]
 
 
@@ -163,15 +185,17 @@ class Vehicles:
         steps: list[list[float]] = []
         durations: list[float] = []
         drives: list[bool] = []
+        stops: list[bool] = []
         most: list[float] = []
         after: list[int] = []
         for k, vehicle in enumerate(self.vehicles):
             drive, first = vehicle.drive, len(durations)
-            for start, end, duration_s, is_drive in drive.segments if drive else []:
+            for start, end, duration_s, is_drive, stops_there in drive.segments if drive else []:
                 starts.append(start)
                 steps.append([b - a for a, b in zip(start, end, strict=True)])
                 durations.append(duration_s)
                 drives.append(is_drive)
+                stops.append(is_drive and stops_there)
                 most.append(vehicle.top_m_s * duration_s / math.dist(start, end) if is_drive else 1.0)
                 after.append(len(durations))
             if drive and drive.repeats_from is not None:
@@ -180,6 +204,7 @@ class Vehicles:
             steps.append([0.0, 0.0, 0.0])
             durations.append(math.inf)
             drives.append(False)
+            stops.append(False)
             most.append(1.0)
             after.append(len(durations) - 1)
         return Tables(
@@ -187,6 +212,7 @@ class Vehicles:
             step_m=np.array(steps, dtype=np.float64),
             duration_s=np.array(durations),
             is_drive=np.array(drives, dtype=bool),
+            stops=np.array(stops, dtype=bool),
             most=np.maximum(most, 1.0),
             after=np.array(after, dtype=np.int64),
         )
@@ -213,7 +239,7 @@ class Vehicles:
             reaches = rest_s <= left_s[going]
             ends = reaches & (self._done_s[going] >= 0)
             taken_s = np.where(reaches, rest_s, left_s[going])
-            lost_s = np.where(tables.is_drive[segment], self._lost_s(len(going)), 0.0)
+            lost_s = np.where(tables.stops[segment], self._lost_s(len(going)), 0.0)
             begun_s = np.where(ends, -lost_s, 0.0)
             self._done_s[going] = np.where(reaches, begun_s, self._done_s[going] + taken_s * rate)
             self._segment[going] = np.where(ends, tables.after[segment], segment)
