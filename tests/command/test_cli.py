@@ -100,6 +100,7 @@ def test_a_plan_is_written_checked_and_told(yard: Path, use: Use, capsys: pytest
     assert out.splitlines()[2:] == [
         "1 robot: no plan needs fewer, proved.",
         "Check: met, every demand, for ever.",
+        "The plan is for robots that change speed at once.",
         "Plan: yard.rota.json",
     ]
     assert [line for line in err.splitlines() if "compiling" not in line] == []

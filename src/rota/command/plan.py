@@ -11,6 +11,7 @@ from rota.command.checkpoint import keep_checkpoint
 from rota.command.exit_codes import DONE, NO_PLAN
 from rota.command.partial_plan import PartialPlan
 from rota.command.terminal import STANDARD_STREAM, Bar, progress_bar, say
+from rota.command.without_mass import without_mass
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
@@ -159,6 +160,9 @@ def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
         console.print("Check: not checked to the end.")
     elif report.verdict == "met":
         console.print(f"Check: {met_text(report)}")
+        told = without_mass(answer.plan) if report.demands else None
+        if told is not None:
+            console.print(f"The plan is {told}.", markup=False, soft_wrap=True)
     else:
         console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
         console.print(report_table(report), markup=False, soft_wrap=True)
