@@ -32,7 +32,7 @@ def test_vehicles_are_sent_off_in_one_shell_and_watched_in_another(
 
     async def fly_and_watch(address: str) -> tuple[list[Any], str]:
         words = ("quay.rota.json", "--link", "mavlink", "--set", f"address={address}")
-        async with shell(tmp_path, "fly", *words, "--start", "--yes") as fly:
+        async with shell(tmp_path, "fly", *words, "--start", "--yes", "--hands-off") as fly:
             assert "Started: 2 robots at 20" in await line_with(fly, "Started")
             command = await line_with(fly, "rota watch")
             assert await fly.wait() == 0

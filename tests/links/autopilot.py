@@ -17,6 +17,7 @@ from pymavlink.dialects.v20 import common as mav
 from tests.links.flight import Flight
 
 HEARTBEAT_S, REQUEST_S = 0.1, 0.15
+HOME_MM = 475_000  # over sea
 MISSION_MODES = (4 << 16 | 4 << 24, 3)  # of PX4; of ArduPilot's copters
 MISSION, FENCE = mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_FENCE
 CAPABILITIES = (
@@ -59,6 +60,10 @@ class Autopilot:
     items: dict[int, list[Any]] = field(default_factory=lambda: {MISSION: [], FENCE: []})
     commands: list[int] = field(default_factory=list)
     modes: list[int] = field(default_factory=list)
+    speeds_m_s: list[float] = field(default_factory=list)
+    paused: bool = False
+    params: dict[str, float] = field(default_factory=dict)
+    in_air: bool = False
     silent: bool = False
     _asker: tuple[int, int] = (0, 0)
     _incoming: list[Any] = field(default_factory=list)
@@ -96,7 +101,7 @@ class Autopilot:
     def beat(self) -> None:
         script, flight = self.script, self.flight
         before_s, self._flown_s = self._flown_s, time.monotonic()
-        if script.flies and self.modes and self.modes[-1] in MISSION_MODES:
+        if script.flies and self.modes and self.modes[-1] in MISSION_MODES and not self.paused:
             flight.fly(self.items[MISSION], self._flown_s - before_s)
         lat, lon, height_mm = round(flight.lat * 1e7), round(flight.lon * 1e7), round(flight.height_m * 1000)
         mode = self.modes[-1] if self.modes else 0
@@ -105,7 +110,14 @@ class Autopilot:
         self.send(
             self.link.heartbeat_encode(script.kind, script.firmware, base, mode, mav.MAV_STATE_ACTIVE, 3), at_once=True
         )
-        self.send(self.link.global_position_int_encode(0, lat, lon, 500_000, height_mm, 0, 0, 0, 0), at_once=True)
+        self.send(
+            self.link.global_position_int_encode(0, lat, lon, HOME_MM + height_mm, height_mm, 0, 0, 0, 0), at_once=True
+        )
+        self.send(self.link.mission_current_encode(flight.number), at_once=True)
+        state = mav.MAV_LANDED_STATE_IN_AIR if self.in_air else mav.MAV_LANDED_STATE_ON_GROUND
+        self.send(self.link.extended_sys_state_encode(0, state), at_once=True)
+        home = (round(script.position[0]), round(script.position[1]), HOME_MM)
+        self.send(self.link.home_position_encode(*home, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0), at_once=True)
         cells, more = [4000, 4000, 4000] + [65535] * 7, [0] * 4
         told = (0, 0, 0, 2500, cells, 100, 0, 0, script.battery_percent, 0, 1, more, 0, 0)
         self.send(self.link.battery_status_encode(*told), at_once=True)
@@ -130,6 +142,8 @@ class Autopilot:
             main, sub = int(message.param2), int(message.param3)
             px4 = self.script.firmware == mav.MAV_AUTOPILOT_PX4
             self.modes.append(main << 16 | sub << 24 if px4 else main)
+        if command not in self.script.denies:
+            self.obey(command, message)
         denied = command in self.script.denies
         result = mav.MAV_RESULT_DENIED if denied else mav.MAV_RESULT_ACCEPTED
         self.send(self.link.command_ack_encode(command, result, 0, 0, *self._asker))
@@ -138,12 +152,37 @@ class Autopilot:
 
     on_command_int = on_command_long
 
+    def obey(self, command: int, message: Any) -> None:
+        """Change what it does; it is at once where it is told to go."""
+        flight = self.flight
+        if command == mav.MAV_CMD_DO_CHANGE_SPEED:
+            self.speeds_m_s.append(message.param2)
+            flight.speed_m_s = message.param2
+        elif command == mav.MAV_CMD_DO_PAUSE_CONTINUE:
+            self.paused = message.param1 == 0
+        elif command == mav.MAV_CMD_NAV_TAKEOFF:
+            px4 = self.script.firmware == mav.MAV_AUTOPILOT_PX4
+            self.in_air, flight.height_m = True, self.params["MIS_TAKEOFF_ALT"] if px4 else message.param7
+        elif command == mav.MAV_CMD_NAV_LAND:
+            self.in_air, flight.height_m = False, 0.0
+        elif command == mav.MAV_CMD_DO_REPOSITION:
+            flight.lat, flight.lon, flight.height_m = message.x / 1e7, message.y / 1e7, message.z - HOME_MM / 1000
+        elif command == mav.MAV_CMD_DO_SET_MISSION_CURRENT:
+            flight.number, flight.items = int(message.param1), self.items[MISSION]
+
+    def on_mission_set_current(self, message: Any) -> None:
+        self.flight.number, self.flight.items = message.seq, self.items[MISSION]
+
     def on_set_mode(self, message: Any) -> None:
         self.modes.append(message.custom_mode)
 
     def on_param_request_read(self, message: Any) -> None:
-        name = message.param_id.encode()
-        self.send(self.link.param_value_encode(name, 0.0, mav.MAV_PARAM_TYPE_REAL32, 1, 0))
+        value = self.params.get(message.param_id, 0.0)
+        self.send(self.link.param_value_encode(message.param_id.encode(), value, mav.MAV_PARAM_TYPE_REAL32, 1, 0))
+
+    def on_param_set(self, message: Any) -> None:
+        self.params[message.param_id] = message.param_value
+        self.on_param_request_read(message)
 
     def on_mission_count(self, message: Any) -> None:
         self._incoming, self._expected = [], (message.mission_type, message.count)

@@ -21,6 +21,7 @@ from rota.errors import LinkError, PlanError, RotaError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import mission_items
 from rota.files.rings import circle_ring
+from rota.links.flights import Flights
 from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.mavlink_address import addresses
@@ -175,6 +176,43 @@ def test_no_vehicle_keeps_a_mission_where_one_fails(script: Script, message: str
             assert held(vehicles[1]) != []
             assert "robot b: clearing the mission: " in str(caught.value)
             assert "it may still hold its route or a part of it" in str(caught.value)
+
+
+def test_vehicles_gather_in_the_air_start_together_are_kept_in_phase_and_land() -> None:
+    plan = plan_of(*three().trajectories[:2])
+    told: list[str] = []
+
+    async def fly(link: Any) -> list[float]:
+        routes = routes_of(plan)
+        flights = Flights(link, plan.mission, told.append)
+        await send_all(link, routes)
+        await first_reports(link, link.robots)
+        await flights.gather(routes)
+        places = [link.latest(robot).position_m for robot in link.robots]
+        await start_all(link, routes)
+        began_s = link.time_s
+        async with asyncio.timeout(20):
+            while link.latest("a").mode != "running" or vehicles[0].flight.number != 5:
+                await asyncio.sleep(0.05)
+            await asyncio.sleep(1.0)  # until it has said so
+        await link.keep("a", 4.0, 1.0)
+        await link.keep("b", -1.2, 1.0)
+        assert vehicles[1].paused is False
+        assert mav.MAV_CMD_DO_PAUSE_CONTINUE in vehicles[1].commands
+        await flights.bring_home()
+        return [began_s, *(value for place in places for value in place)]
+
+    pad = [Script(firmware=ARDUPILOT, flies=True, position=(481000000, 115000000 + k * 100, 0)) for k in (0, 1)]
+    with flying(*pad) as vehicles:
+        began_s, *places = with_link(plan, vehicles, fly)
+        assert abs(began_s) < 1.0
+        assert places == pytest.approx([-10, 0, 25, 190, 0, 25], abs=0.05)
+        # on the way to its place, to the loop, on the leg at 4 m/s with 4 s to make up in 10, on the way home
+        assert vehicles[0].speeds_m_s == pytest.approx([8.0, 5.0, 5.6, 8.0, 8.0], abs=0.01)
+        assert [vehicle.in_air for vehicle in vehicles] == [False, False]
+        assert mav.MAV_CMD_NAV_LAND in vehicles[1].commands
+    assert told[0] == "climbing: a, b"
+    assert told[-2:] == ["landing: a", "landing: b"]
 
 
 def test_a_vehicle_that_does_not_start_brings_the_others_home() -> None:

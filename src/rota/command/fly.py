@@ -9,6 +9,7 @@ import shlex
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from io import UnsupportedOperation
@@ -25,6 +26,7 @@ from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.command.fly_along import Along
+    from rota.links.free_ways import LayeredWay
     from rota.links.link import Link
     from rota.plan import Plan
     from rota.route import Route
@@ -71,7 +73,7 @@ def fly(
     order = Order(start=start, yes=yes, hands_off=hands_off, seconds=seconds, log=log)
     if link == "mavlink" and not (pause or home) and (told := without_mass(answer, is_flown=True)) is not None:
         say(f"the plan is {told}")
-    run_to_its_end(_command(made, home) if pause or home else _fly(made, answer, order, watching))
+    run_to_its_end(_command(made, answer, home) if pause or home else _fly(made, answer, order, watching))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,54 +116,79 @@ def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> 
 
 
 async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
+    from rota.links.flights import Flights
     from rota.links.sending import first_reports, routes_for, send_all, start_all
 
+    with _along(plan, link, order) as along:
+        async with opened(link):
+            routes = routes_for(plan, link)
+            await send_all(link, routes)
+            await first_reports(link, [route.robot for route in routes])
+            flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
+            typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
+            if along is not None and (told := along.told_before()) is not None:
+                typer.echo(told)
+            if not order.start:
+                typer.echo("Nothing was started: --start does.")
+                return
+            if not order.yes and not await _confirmed(f"Start {len(routes)} robots? Type yes: "):
+                typer.echo("Nothing was started; the robots hold their routes.")
+                return
+            if flights is not None:
+                await flights.gather(routes)
+            await start_all(link, routes)
+            # while this goes on, nobody else can listen where vehicles that it keeps in phase are heard
+            holds = along is not None and link.keeps_phase and not link.drives_along
+            _tell_started(link, len(routes), "" if holds else watching)
+            if along is not None:
+                try:
+                    await along.drive(order.seconds)
+                finally:
+                    if holds:
+                        say(f"to watch them: {watching} --set start_time={_begun_text(link)}")
+
+
+def _along(plan: Plan, link: Link, order: Order) -> AbstractContextManager[Along | None]:
+    """What drives along, if it is wanted and there is something to do or to write down."""
     listens = link.drives_along or link.keeps_phase or order.seconds is not None or order.log is not None
-    drives = order.start and not order.hands_off and listens
-    along = _made_along(plan, link, order.log) if drives else None
-    async with opened(link):
-        routes = routes_for(plan, link)
-        await send_all(link, routes)
-        await first_reports(link, [route.robot for route in routes])
-        typer.echo(_summary(link, routes))
-        if along is not None and (told := along.told_before()) is not None:
-            typer.echo(told)
-        if not order.start:
-            typer.echo("Nothing was started: --start does.")
-            return
-        if not order.yes and not await _confirmed(f"Start {len(routes)} robots? Type yes: "):
-            typer.echo("Nothing was started; the robots hold their routes.")
-            return
-        await start_all(link, routes)
-        _tell_started(link, len(routes), watching)
-        if along is not None:
-            await along.drive(order.seconds)
-
-
-def _made_along(plan: Plan, link: Link, log: str | None) -> Along:
+    if not order.start or order.hands_off or not listens:
+        return nullcontext()
     from rota.command.fly_along import Along
     from rota.live.ready import make_ready
 
     mention_compiling("live")
     make_ready()
-    return Along(plan, link, log)
+    return Along(plan, link, order.log)
 
 
 def _tell_started(link: Link, robots: int, watching: str) -> None:
+    """That they have started, and when; ``watching``: the command that watches them, empty: there is none yet."""
     if link.in_process:
         typer.echo(f"Started: {robots} robots.")
         return
+    begun = _begun_text(link)
+    typer.echo(f"Started: {robots} robots at {begun}.{' To watch them, from another terminal:' if watching else ''}")
+    if watching:
+        typer.echo(f"{watching} --set start_time={begun}")
+
+
+def _begun_text(link: Link) -> str:
+    """When the plan's time began, as the system's clock tells."""
     from rota.files.timed_places import instant_text
 
-    begun = instant_text(datetime.now(UTC) - timedelta(seconds=link.time_s))
-    typer.echo(f"Started: {robots} robots at {begun}. To watch them, from another terminal:")
-    typer.echo(f"{watching} --set start_time={begun}")
+    return instant_text(datetime.now(UTC) - timedelta(seconds=link.time_s))
 
 
-async def _command(link: Link, home: bool) -> None:
-    from rota.links.sending import command_all
+async def _command(link: Link, plan: Plan, home: bool) -> None:
+    from rota.links.flights import Flights
+    from rota.links.sending import command_all, first_reports
 
     async with opened(link):
+        if home and link.flies:
+            await first_reports(link, link.robots)
+            await Flights(link, plan.mission, say).bring_home()
+            typer.echo(f"{len(link.robots)} robots have landed.")
+            return
         await command_all(link.come_home if home else link.pause, link.robots)
     typer.echo(f"{len(link.robots)} robots {'are called home' if home else 'have stopped'}.")
 
@@ -192,14 +219,18 @@ async def _confirmed(question: str) -> bool:
         raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
 
 
-def _summary(link: Link, routes: Sequence[Route]) -> str:
-    """A line for each robot: its route, its fence, its battery, and how far it is from where its route begins."""
-    rows = [("robot", "stops", "loop m", "loop s", "fence", "battery", "from start m")]
+def _summary(link: Link, routes: Sequence[Route], ways: Sequence[LayeredWay]) -> str:
+    """A line for each robot: its route, its fence, its battery, and how far it is from where its route begins.
+
+    ways: those that lead there; without them it goes straight.
+    """
+    rows = [("robot", "stops", "loop m", "loop s", "fence", "battery", "way there m" if ways else "from start m")]
+    led = {way.robot: f"{way.length_m:.1f} at {way.height_m:g}" for way in ways}
     for route in routes:
         report = link.latest(route.robot)
         length_m, duration_s = _round(route)
         off_m = None if report is None else math.dist(report.position_m[:2], route.start_m[:2])
-        if off_m is not None and off_m > FAR_FROM_START_M:
+        if off_m is not None and off_m > FAR_FROM_START_M and not ways:
             say(f"warning: robot {route.robot} is {off_m:.0f} m from where its route begins; it goes there straight")
         fence = "none" if route.fence is None else f"{len(route.fence.inside_m)} corners"
         out = 0 if route.fence is None else len(route.fence.outside_m) + len(route.fence.circles_m)
@@ -213,7 +244,7 @@ def _summary(link: Link, routes: Sequence[Route]) -> str:
                 f"{duration_s:.1f}" if route.every_round else "-",
                 fence,
                 f"{report.battery:.0%}" if report is not None and report.battery is not None else "-",
-                f"{off_m:.1f}" if off_m is not None else "-",
+                led.get(route.robot, f"{off_m:.1f}" if off_m is not None else "-"),
             )
         )
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

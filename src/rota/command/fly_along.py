@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import time
-from contextlib import nullcontext
-from typing import TYPE_CHECKING
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any
 
 from rota.command.terminal import mention_compiling, say
 
@@ -22,15 +22,24 @@ RELEASED = "robots get no more stops from here on, and wait at the last one that
 GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
 
 
-class Along:
-    """The plan's watch and the clock of its robots, made before the start: both take some seconds."""
+class Along(AbstractContextManager["Along"]):
+    """The plan's watch and the clock of its robots, made before the start: both take some seconds.
+
+    As a context it holds the log, in which nothing is written before the start; RotaError where there is one already.
+    """
 
     def __init__(self, plan: Plan, link: Link, log: str | None) -> None:
         from rota.live.watch import Watch
+        from rota.live.watch_log import LogWriter
 
-        self._plan, self._link, self._log = plan, link, log
+        self._link = link
         self._watch: Watch = Watch(plan)
         self._keeping: Keeping = _keeping(plan) if link.keeps_phase else _without_slack(plan)
+        self._log = None if log is None else LogWriter(log, plan, self._watch.settings)
+
+    def __exit__(self, *failed: Any) -> None:
+        if self._log is not None:
+            self._log.__exit__(*failed)
 
     def told_before(self) -> str | None:
         """How much slower than planned all may drive before something lapses; None where nothing can be told."""
@@ -43,23 +52,20 @@ class Along:
     async def drive(self, seconds: float | None) -> None:
         """Until Ctrl-C, for so many seconds, or until the link's reports end."""
         from rota.live.driving import Driving
-        from rota.live.watch_log import LogWriter
 
         if self._link.drives_along:
             say("robots drive while this goes on; Ctrl-C ends it")
         elif self._link.keeps_phase:
             say("robots are kept in phase while this goes on; after Ctrl-C they go on by themselves")
         end_s = None if seconds is None else time.monotonic() + seconds
-        writer = nullcontext() if self._log is None else LogWriter(self._log, self._plan, self._watch.settings)
-        with writer as log:
-            driving = Driving(self._link, self._watch, self._keeping, log, _tell)
-            teller = asyncio.create_task(self._news(driving))
-            try:
-                await driving.drive(should_stop=lambda: end_s is not None and time.monotonic() >= end_s)
-            finally:
-                teller.cancel()
-                if not self._link.in_process:
-                    say(RELEASED if self._link.drives_along else GO_ON)
+        driving = Driving(self._link, self._watch, self._keeping, self._log, _tell)
+        teller = asyncio.create_task(self._news(driving))
+        try:
+            await driving.drive(should_stop=lambda: end_s is not None and time.monotonic() >= end_s)
+        finally:
+            teller.cancel()
+            if not self._link.in_process:
+                say(RELEASED if self._link.drives_along else GO_ON)
 
     async def _news(self, driving: Driving) -> None:
         link = self._link
@@ -81,7 +87,8 @@ class Along:
 def _tell(notice: Notice) -> None:
     from rota.live.notices import notice_line
 
-    say(notice_line(notice).strip())
+    if notice.kind != "dropped":  # those are counted in the news
+        say(notice_line(notice).strip())
 
 
 def _keeping(plan: Plan) -> Keeping:

@@ -6,7 +6,7 @@ from what its robots speak.
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Mapping
+from collections.abc import AsyncGenerator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, get_args
 
@@ -79,6 +79,10 @@ class Link(Protocol):
     def keeps_phase(self) -> bool:
         """Whether ``keep`` lets its robots gain and lose time."""
 
+    @property
+    def flies(self) -> bool:
+        """Whether its robots take off: ``climb``, ``go``, ``land`` and ``home_m`` are for those alone."""
+
     async def open(self) -> None:
         """Connect, and wait until every robot has been heard and is of the type that the settings ask for."""
 
@@ -90,6 +94,18 @@ class Link(Protocol):
 
     async def clear_route(self, robot: str) -> None:
         """Take the robot's route and fence away; no error where it has none."""
+
+    def home_m(self, robot: str) -> Place3 | None:
+        """Where it took off or will; None where it has not said so."""
+
+    async def climb(self, robot: str, height_m: float) -> None:
+        """Let it take off, or rise or sink where it is, and wait until it hovers at that height."""
+
+    async def go(self, robot: str, places_m: Sequence[Place3]) -> None:
+        """Let it fly straight to each place in turn, and wait until it hovers at the last one."""
+
+    async def land(self, robot: str) -> None:
+        """Let it land where it is, and wait until it stands."""
 
     def begin(self) -> None:
         """Let the plan's time start now, just before its robots do, unless settings say when it started."""

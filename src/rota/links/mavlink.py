@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -18,6 +19,7 @@ from rota.links.extras import required
 from rota.links.inbox import Bounds
 from rota.links.link import Mode
 from rota.links.mavlink_address import addresses
+from rota.links.mavlink_guided import Guided
 from rota.links.mavlink_items import (
     DEGREES,
     WireShape,
@@ -29,11 +31,12 @@ from rota.links.mavlink_items import (
     wire_fence,
     wire_items,
 )
+from rota.links.mavlink_pace import MissionPace
 from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
 from rota.links.reporting import RealTimeLink
 from rota.plan import Plan
 from rota.planner_settings import Settings, setting
-from rota.route import Route
+from rota.route import Place3, Route
 
 if TYPE_CHECKING:
     from mavsdk import System
@@ -43,6 +46,7 @@ VehicleType = Literal["multicopter", "fixed_wing", "rover", "submarine", "any"]
 AUTOPILOTS: dict[str, Autopilot] = {"ARDUPILOT": "ardupilot", "PX4": "px4"}
 MODES: dict[str, Mode] = {"MISSION": "running", "HOLD": "paused", "RETURN_TO_LAUNCH": "returning", "READY": "ready"}
 MISSION_START = 300  # MAV_CMD
+ITEM_HZ = 2.0  # how often a vehicle is asked to say which item it flies to
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +60,7 @@ class MavlinkSettings(Settings):
     vehicle: VehicleType = setting("multicopter", "what every vehicle must be: fixed_wing, rover, submarine, any")
     wait_s: float = setting(10.0, "how long a vehicle may take to be heard", above=0, most=3600)
     answer_s: float = setting(20.0, "how long it may take for a command, or a route", above=0, most=3600)
+    ready_s: float = setting(60.0, "how long a vehicle may take until it arms", above=0, most=3600)
     rate_hz: float = setting(5.0, "reports of each vehicle in a second", above=0, most=100)
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
 
@@ -67,7 +72,8 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     """A vehicle for each robot of the plan, in its order."""
     required("mavsdk", "mavlink")
     projection = projection_of(plan.mission, "MAVLink")
-    return MavlinkLink([trajectory.robot for trajectory in plan], plan.mission.area.bounds, projection, settings)
+    top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
+    return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings)
 
 
 class MavlinkLink(RealTimeLink):
@@ -75,16 +81,20 @@ class MavlinkLink(RealTimeLink):
 
     takes_fences = True
     drives_along = False
+    keeps_phase = True
+    flies = True
 
     def __init__(
         self,
-        robots: list[str],
+        top_m_s: dict[str, float],
         bounds_m: Bounds,
         projection: Projection,
         settings: MavlinkSettings,
     ) -> None:
-        super().__init__(robots, bounds_m, settings.start_time, "mavlink.start_time")
-        self._addresses = dict(zip(robots, addresses(settings.address, len(robots)), strict=True))
+        super().__init__(tuple(top_m_s), bounds_m, settings.start_time, "mavlink.start_time")
+        self._addresses = dict(zip(top_m_s, addresses(settings.address, len(top_m_s)), strict=True))
+        self._top_m_s = top_m_s
+        self._paces: dict[str, MissionPace] = {}
         self._projection, self._settings = projection, settings
         self._vehicles: dict[str, MavlinkVehicle] = {}
         self._instances: list[Any] = []
@@ -113,6 +123,7 @@ class MavlinkLink(RealTimeLink):
             raise LinkError(f"robot {robot}: no vehicle was heard on {address} within {wait_s:g} s")
         self._vehicles[robot] = vehicle = self._known(robot, system)
         self._listen(vehicle)
+        await vehicle.tell_item(ITEM_HZ)
 
     def _known(self, robot: str, system: System) -> MavlinkVehicle:
         """The vehicle; LinkError where it is not what it has to be."""
@@ -140,7 +151,17 @@ class MavlinkLink(RealTimeLink):
         def change(mode: Any, _data: Any) -> None:
             vehicle.mode = MODES.get(mode.name)
 
+        vehicle.hear_words()
         telemetry.subscribe_battery(charge)
+
+        def fly(in_air: bool, _data: Any) -> None:
+            vehicle.in_air = bool(in_air)
+
+        def home(place: Any, _data: Any) -> None:
+            vehicle.home = (place.latitude_deg, place.longitude_deg, place.absolute_altitude_m)
+
+        telemetry.subscribe_in_air(fly)
+        telemetry.subscribe_home(home)
         telemetry.subscribe_flight_mode(change)
         telemetry.subscribe_position(locate)
         telemetry.set_rate_position_async(self._settings.rate_hz, lambda *_: None)
@@ -150,6 +171,7 @@ class MavlinkLink(RealTimeLink):
         if not (abs(lat) <= 90 and abs(lon) <= 180 and math.isfinite(height_m)):
             self._inbox.reject("not a number", f"{vehicle.robot}, at {lat}, {lon}, {height_m}")
             return
+        vehicle.home_height_m = position.absolute_altitude_m - height_m
         x, y = self._projection.to_metres(lon, lat)
         now_s = self._clock.now_s()
         self._inbox.offer(
@@ -190,6 +212,7 @@ class MavlinkLink(RealTimeLink):
         ]
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         await vehicle.ask("the mission", raw.upload_mission_async, items)
+        self._paces[route.robot] = MissionPace(vehicle, wired, self._top_m_s[route.robot])
         geofence = vehicle.plugin("geofence", "Geofence")
         if shapes:
             await vehicle.ask("the fence", geofence.upload_geofence_async, _fence_data(shapes))
@@ -216,9 +239,37 @@ class MavlinkLink(RealTimeLink):
 
     # ------------------------------------------------------------ commands
 
+    def home_m(self, robot: str) -> Place3 | None:
+        """Where it took off, as it says."""
+        home = self._vehicle(robot).home
+        if home is None or not all(map(math.isfinite, home)):
+            return None
+        x, y = self._projection.to_metres(home[1], home[0])
+        return float(x), float(y), 0.0
+
+    async def climb(self, robot: str, height_m: float) -> None:
+        """Arm it, as soon as it is ready, and let it take off."""
+        await self._guided(robot).climb(height_m)
+
+    async def go(self, robot: str, places_m: Sequence[Place3]) -> None:
+        """By one target after the other."""
+        await self._guided(robot).go(places_m)
+
+    async def land(self, robot: str) -> None:
+        """Until it has landed."""
+        await self._guided(robot).land()
+
+    def _guided(self, robot: str) -> Guided:
+        latest = functools.partial(self.latest, robot)
+        top_m_s, ready_s = self._top_m_s[robot], self._settings.ready_s
+        return Guided(self._vehicle(robot), self._projection, latest, top_m_s, ready_s)
+
     async def start(self, robot: str) -> None:
-        """Arm it and let it fly its mission."""
+        """Let it fly its mission; from the air without the take-off, from the ground it is armed before."""
         vehicle = self._vehicle(robot)
+        if vehicle.in_air and vehicle.autopilot == "ardupilot":
+            await self._start_in_air(vehicle)
+            return
         raw, action = vehicle.plugin("mission_raw", "MissionRaw"), vehicle.plugin("action", "Action")
         await vehicle.ask("arming", action.arm_async)
         await vehicle.ask("starting the mission", raw.start_mission_async)
@@ -227,6 +278,21 @@ class MavlinkLink(RealTimeLink):
             # this (MAV_CMD_MISSION_START in ArduCopter/GCS_Mavlink.cpp sets auto_armed); MAVSDK only sets the mode
             # (https://github.com/mavlink/MAVSDK-Java/issues/232)
             await vehicle.command("starting the mission", MISSION_START)
+
+    async def _start_in_air(self, vehicle: MavlinkVehicle) -> None:
+        """ArduCopter takes off again wherever it is; so it begins with its first waypoint, and is told the speed."""
+        pace = self._paces.get(vehicle.robot)
+        raw = vehicle.plugin("mission_raw", "MissionRaw")
+        if pace is not None and pace.first is not None:
+            await vehicle.ask("its first waypoint", raw.set_current_mission_item_async, pace.first)
+        await vehicle.ask("starting the mission", raw.start_mission_async)
+        if pace is not None:
+            await pace.begin()
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """By the speed of the leg that it flies, or a pause; nothing for a vehicle whose mission is not from here."""
+        if robot in self._paces:
+            await self._paces[robot].keep(late_s, rate)
 
     async def pause(self, robot: str) -> None:
         """Hold."""

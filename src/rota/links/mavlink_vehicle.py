@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -16,12 +18,21 @@ from rota.links.link import Mode
 if TYPE_CHECKING:
     from mavsdk import System
 
+SAID_S = 5.0  # before a refusal, in which a vehicle may have said why
+MOST_SAID = 3  # texts of it that a message tells
+ALERT = 5  # MAV_SEVERITY of notices: what is graver says why something does not work
+SET_MESSAGE_INTERVAL = 511  # MAV_CMD
+MISSION_CURRENT = 42  # a message's number
 TRIES = 3  # MAVSDK gives a transfer up when its last answer is lost; all that is asked may be asked again
 
 
 @dataclass(kw_only=True)
 class MavlinkVehicle:
-    """A vehicle; it has ``answer_s`` for all that is asked of it."""
+    """A vehicle; it has ``answer_s`` for all that is asked of it.
+
+    item: the number of the mission item that it flies to, as it said last. home: its degrees of latitude and longitude,
+    and its height over sea in metres.
+    """
 
     robot: str
     system: System
@@ -29,7 +40,33 @@ class MavlinkVehicle:
     answer_s: float
     battery: float | None = None
     mode: Mode | None = None
+    item: int | None = None
+    in_air: bool = False
+    home: tuple[float, float, float] | None = None
+    home_height_m: float = 0.0
+    _said: list[tuple[float, str]] = field(default_factory=list)
     _plugins: dict[str, Any] = field(default_factory=dict)
+
+    def hear_words(self) -> None:
+        """Keep what it says in words, and which item it flies to."""
+        direct = self.plugin("mavlink_direct", "MavlinkDirect")
+
+        def said(message: Any, _data: Any) -> None:
+            told = json.loads(message.fields_json)
+            if int(told.get("severity", ALERT)) < ALERT:
+                # from another thread: one list in place of another
+                self._said = [*self._said, (time.monotonic(), str(told.get("text", ""))[:100])][-MOST_SAID:]
+
+        def flies_to(message: Any, _data: Any) -> None:
+            self.item = int(json.loads(message.fields_json)["seq"])
+
+        direct.subscribe_message("STATUSTEXT", said)
+        direct.subscribe_message("MISSION_CURRENT", flies_to)
+
+    def why(self) -> str:
+        """What it has said in the last seconds that may be the reason for a refusal; empty where it said nothing."""
+        texts = [text for at_s, text in self._said if time.monotonic() - at_s <= SAID_S]
+        return f"; it says: {'; '.join(dict.fromkeys(texts))}" if texts else ""
 
     def plugin(self, module: str, name: str) -> Any:
         """A plugin of MAVSDK, made once."""
@@ -61,21 +98,26 @@ class MavlinkVehicle:
         except TimeoutError:
             raise LinkError(f"robot {self.robot}: {what}: no answer within {self.answer_s:g} s") from None
         if result is None or result.name != "SUCCESS":
-            raise LinkError(f"robot {self.robot}: {what}: {worded(result)}")
+            raise LinkError(f"robot {self.robot}: {what}: {worded(result)}{self.why()}")
         return tuple(rest[:-1])  # without the data that callbacks are handed
 
-    async def command(self, what: str, number: int) -> None:
-        """A command of MAVLink without parameters (MAV_CMD); LinkError where it is not accepted."""
+    async def command(self, what: str, number: int, params: Sequence[float] = ()) -> None:
+        """A command of MAVLink (MAV_CMD) with its first parameters, the others 0; LinkError where it is refused."""
         from mavsdk.plugins.mavlink_direct import MavlinkMessage
 
         target = self.system.get_system_id()
         fields = {"target_system": target, "target_component": 1, "command": number, "confirmation": 0}
-        fields |= {f"param{k}": 0 for k in range(1, 8)}
+        fields |= {f"param{k}": value for k, value in enumerate([*params, *[0] * (7 - len(params))], start=1)}
         message = MavlinkMessage("COMMAND_LONG", 0, 0, target, 1, json.dumps(fields))
         (answer,) = await self.ask(what, self.plugin("mavlink_direct", "MavlinkDirect").send_command_async, message)
         result = json.loads(answer.fields_json).get("result")
         if result != 0:
-            raise LinkError(f"robot {self.robot}: {what}: refused with result {result!r}")
+            raise LinkError(f"robot {self.robot}: {what}: refused with result {result!r}{self.why()}")
+
+    async def tell_item(self, rate_hz: float) -> None:
+        """Ask it to say so often which mission item it flies to; those that cannot choose say it anyway."""
+        with suppress(LinkError):
+            await self.command("its progress", SET_MESSAGE_INTERVAL, [MISSION_CURRENT, 1e6 / rate_hz])
 
 
 def into(future: asyncio.Future[Any]) -> Callable[..., None]:

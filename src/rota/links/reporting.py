@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Mapping
+from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Mapping, Sequence
 
 from rota.errors import LinkError
 from rota.links.inbox import Bounds, ReportInbox
 from rota.links.link import Fault, Rejections, Report
 from rota.links.plan_clock import PlanClock
+from rota.route import Place3
 
 
 class ReportingLink:
-    """The part of a Link that tells what its robots have reported, and what of that was dropped."""
+    """The part of a Link that tells what its robots have reported, and what of that was dropped.
+
+    Its robots stay on the ground unless a link says otherwise.
+    """
+
+    flies = False
 
     def __init__(self, robots: Collection[str], bounds_m: Bounds) -> None:
         self._names = tuple(robots)
@@ -39,6 +45,19 @@ class ReportingLink:
     def room_s(self, robot: str) -> float:
         """Nothing is known of that."""
         return 0.0
+
+    def home_m(self, robot: str) -> Place3 | None:
+        """Nothing is known of it."""
+        return None
+
+    async def climb(self, robot: str, height_m: float) -> None:
+        """It stays on the ground."""
+
+    async def go(self, robot: str, places_m: Sequence[Place3]) -> None:
+        """It drives its route alone."""
+
+    async def land(self, robot: str) -> None:
+        """It stands already."""
 
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""

@@ -1,7 +1,7 @@
 """Robots kept in phase while they drive: how late each is against one clock for all, and what is done about it.
 
 The clock of all goes as fast as the plan's, and slower while a robot cannot keep up: loops then take longer, but robots
-stay as far apart in time as planned. What was lost so is not made up.
+stay as far apart in time as planned. What was lost so is not made up, nor what all are late by.
 """
 
 from __future__ import annotations
@@ -68,11 +68,15 @@ class Keeping:
         if self._now_s is not None:
             self.behind_s += (1 - self.rate) * (now_s - self._now_s)
         self._now_s = now_s
+        on_route = [self.late_s(robot) - room_s.get(robot.name, 0.0) for robot in robots if _drives(robot)]
+        if on_route and min(on_route) > LATE_S:
+            # nobody is nearer to the clock: it is they that keep it
+            self.behind_s += min(on_route) - EARLY_SHARE * LATE_S
         told: list[Notice] = []
         orders, rates = [], [1.0]
         for robot in robots:
             track = self._tracks[robot.name]
-            if robot.standing != "ok" or robot.mode not in DRIVING or robot.place_m is None:
+            if not _drives(robot):
                 track.forget()
                 continue
             late_s = self.late_s(robot)
@@ -84,7 +88,12 @@ class Keeping:
                 rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))
             told += self._standing(now_s, robot.name, track, late_s, pace)
         self.rate = max(LEAST_RATE, min(rates))
-        return [Order(robot=name, late_s=late_s, rate=self.rate) for name, late_s in orders], told
+        return [self._order(name, late_s) for name, late_s in orders], told
+
+    def _order(self, name: str, late_s: float) -> Order:
+        # one that is late drives as fast as it can: its pace tells how slowly all have to go
+        rate = self.rate if late_s < EARLY_SHARE * LATE_S else 1.0
+        return Order(robot=name, late_s=late_s, rate=rate)
 
     def _standing(self, now_s: float, name: str, track: _Track, late_s: float, pace: float | None) -> list[Notice]:
         """That a robot cannot keep up, once, with what that leads to; and that it can again."""
@@ -143,6 +152,10 @@ class _Track:
         if to_s - from_s < self._most_s / 2:
             return None
         return 1 - (lag_s - lag_then_s) / (to_s - from_s)
+
+
+def _drives(robot: RobotState) -> bool:
+    return robot.standing == "ok" and robot.mode in DRIVING and robot.place_m is not None
 
 
 def _notice(now_s: float, kind: NoticeKind, about: str, text: str, **facts: float) -> Notice:

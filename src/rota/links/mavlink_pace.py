@@ -1,0 +1,92 @@
+"""A MAVLink vehicle kept in phase on its mission: the speed of the leg that it flies, and pauses.
+
+ArduCopter: DO_CHANGE_SPEED acts on the running leg within 2 to 4 s, DO_PAUSE_CONTINUE stops a mission and lets it go on
+where it stopped (mode AUTO, ``ModeAuto::pause``). PX4 takes the speed; it is never paused.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+
+from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, WAYPOINT
+from rota.links.mavlink_items import WireItem
+from rota.links.mavlink_vehicle import MavlinkVehicle
+
+DO_PAUSE_CONTINUE = 193  # MAV_CMD
+CATCH_UP_S = 10.0  # in which it is to make up what it is late by
+LEAST_SHARE = 0.5  # of a leg's speed: who has to lose more is paused
+EARLY_S = 1.0  # from which on a vehicle is paused
+LONGEST_PAUSE_S = 20.0
+SAME = 0.02  # share by which a speed has to differ to be told
+
+
+def leg_speeds(items: Sequence[WireItem]) -> dict[int, float]:
+    """The speed in m/s at which each waypoint is reached, by its number; of later rounds where they differ."""
+    speeds: dict[int, float] = {}
+    speed, at, jumped = 0.0, 0, False
+    while at < len(items):
+        item = items[at]
+        at += 1
+        if item.command == DO_CHANGE_SPEED:
+            speed = item.params[1]
+        elif item.command == WAYPOINT and speed > 0:
+            speeds[item.seq] = speed
+        elif item.command == DO_JUMP and not jumped:
+            at, jumped = int(item.params[0]), True
+    return speeds
+
+
+class MissionPace:
+    """One vehicle on its mission. top_m_s: what its robot may drive."""
+
+    def __init__(self, vehicle: MavlinkVehicle, items: Sequence[WireItem], top_m_s: float) -> None:
+        self._vehicle, self._top_m_s = vehicle, top_m_s
+        self._speeds = leg_speeds(items)
+        self._numbers = sorted(self._speeds)
+        self._first_m_s = next((item.params[1] for item in items if item.command == DO_CHANGE_SPEED), 0.0)
+        self._told: tuple[int, float] | None = None
+
+    @property
+    def first(self) -> int | None:
+        """The number of its first waypoint; None where the mission has none with a speed."""
+        return self._numbers[0] if self._numbers else None
+
+    async def begin(self) -> None:
+        """Tell it the speed of its first leg, whose own item was left out."""
+        if self.first is not None:
+            self._told = (self.first, self._first_m_s)
+            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, self._told[1], -1])
+
+    async def keep(self, late_s: float, rate: float) -> None:
+        """Let it gain ``late_s``, or lose as much; LinkError where it does not answer."""
+        number = self._waypoint()
+        if number is None or self._vehicle.mode != "running":
+            return
+        if late_s < -EARLY_S and self._vehicle.autopilot == "ardupilot":
+            await self._pause(min(-late_s, LONGEST_PAUSE_S))
+            return
+        planned = self._speeds[number]
+        speed = min(planned * max(LEAST_SHARE, rate * (1 + late_s / CATCH_UP_S)), max(self._top_m_s, planned))
+        before = planned if self._told is None else self._told[1]
+        same_leg = self._told is not None and self._told[0] == number
+        if abs(speed - before) <= SAME * planned and (same_leg or abs(speed - planned) <= SAME * planned):
+            self._told = (number, before)
+            return
+        await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, speed, -1])
+        self._told = (number, speed)
+
+    def _waypoint(self) -> int | None:
+        """The waypoint that it flies to: its item, or the first one after it."""
+        item = self._vehicle.item
+        return None if item is None else next((number for number in self._numbers if number >= item), None)
+
+    async def _pause(self, duration_s: float) -> None:
+        """Let it stand for so long; whatever ends this, it goes on."""
+        loop = asyncio.get_running_loop()
+        begun_s = loop.time()
+        await self._vehicle.command("pausing", DO_PAUSE_CONTINUE, [0])
+        try:
+            await asyncio.sleep(begun_s + duration_s - loop.time())
+        finally:
+            await asyncio.shield(self._vehicle.command("going on", DO_PAUSE_CONTINUE, [1]))
