@@ -9,7 +9,7 @@ from dataclasses import replace
 from rota.route import RouteStop
 
 Stops = tuple[RouteStop, ...]
-LEAST_WAIT_S = 1e-6  # a shorter one is what rounding leaves
+LEAST_WAIT_S = 1e-3  # a shorter one is what plans leave beside a turn, so as not to turn too fast by rounding
 
 
 def with_turning(

@@ -11,7 +11,8 @@ import pytest
 from rota.files.vda5050_orders import NumberedStops, Window
 from rota.links.leg_times import Leg, LegTimes
 from rota.links.vda5050_pace import AHEAD_S, Pace
-from rota.route import Route, RouteStop
+from rota.plan import Trajectory
+from rota.route import Route, RouteStop, route_of
 
 STEP_S = 0.1
 ZERO_S = 1000.0  # of the clock, when the plan starts
@@ -104,6 +105,19 @@ def test_a_vehicle_that_speeds_up_and_brakes_as_planned_is_told_the_plan_s_speed
     late = late_s(pace, Vehicle(loses_s=2.0), 3)
     assert max(map(abs, late)) < 0.3
     assert pace.told(pace.end).speed_m_s == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_times_of_stops_are_those_of_the_plan_round_after_round() -> None:
+    # it waits at the end of its approach for 1 s, and for 3 s more at the end of every round
+    way = Trajectory(
+        robot="a",
+        times_s=[0, 5, 6, 16, 26, 36, 46, 49],
+        positions_m=[[-5, 0], [0, 0], [0, 0], [10, 0], [10, 10], [0, 10], [0, 0], [0, 0]],
+        loop_start_s=5,
+    )
+    pace = Pace(NumberedStops(route_of(way, 0.0)), 1.0)
+    for number, arrives_s in ((0, 0), (1, 5), (2, 16), (5, 46), (6, 60), (9, 90), (10, 104), (41, 46 + 9 * 44)):
+        assert pace.arrives_s(number) == pytest.approx(arrives_s)
 
 
 def test_the_clock_of_all_may_go_more_slowly() -> None:

@@ -27,17 +27,23 @@ class Pace:
     def __init__(self, stops: NumberedStops, top_speed_m_s: float) -> None:
         self.stops = stops
         self._top_m_s = top_speed_m_s
-        self._once_s = [0.0]
-        for number in range(1, len(stops.once)):
+        # rounds are alike from the end of the first on: what comes before it may end with another hold than a round
+        self._once_s, self._round_s = [0.0], [0.0]
+        for number in range(1, stops.arrived + len(stops.every_round) + 1):
             self._once_s.append(self._once_s[-1] + self._planned_s(number))
-        self._round_s = [0.0]
-        for number in range(len(stops.once), len(stops.once) + len(stops.every_round)):
+        for number in self._one_round:
             self._round_s.append(self._round_s[-1] + self._planned_s(number))
         self.zero_s: float | None = None
         self._last, self._last_s, self._kept_s = 0, 0.0, 0.0
         self._times = LegTimes()
         self._told: dict[int, RouteStop] = {0: replace(stops.stop(0), hold_s=0.0, turn_s=0.0)}
         self._released_s: dict[int, float] = {}
+
+    @property
+    def _one_round(self) -> range:
+        """The stops of a round like all others."""
+        first = len(self.stops.once) + len(self.stops.every_round)
+        return range(first, first + len(self.stops.every_round))
 
     def _planned_s(self, number: int) -> float:
         """From the arrival at the stop before to that at this one, by plan."""
@@ -80,7 +86,7 @@ class Pace:
     def room_s(self) -> float:
         """What a round leaves to be made up: its waits, and its legs at top speed, as it is expected to drive them."""
         room_s, stops = 0.0, self.stops
-        for number in range(len(stops.once), len(stops.once) + len(stops.every_round)):
+        for number in self._one_round:
             fastest = self._leg(number, max(self._top_m_s, stops.stop(number).speed_m_s or 0.0), waits=False)
             room_s += self._planned_s(number) - self._times.expected_s(fastest)
         return max(room_s, 0.0)
