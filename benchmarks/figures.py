@@ -17,6 +17,7 @@ from benchmarks.create2_sketch import create2_sketch
 from benchmarks.damaged_cache import damaged_cache
 from benchmarks.export_formats import export_formats
 from benchmarks.flights import flights
+from benchmarks.foreign_agvs import foreign_agvs
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
@@ -228,6 +229,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "page-editing": page_editing,
     "player": player,
     "link-noise": link_noise,
+    "foreign-agvs": foreign_agvs,
     "sweep": sweeps,
     "plan-on-cluster": plan_on_cluster,
 }
@@ -240,5 +242,6 @@ LONG = (
     "office-floor",
     "city",
     "stopping",
+    "foreign-agvs",
     "suite",
 )  # a quarter of an hour and more: measured only when named, or with --all

@@ -5,16 +5,50 @@ from __future__ import annotations
 import asyncio
 import json
 import shutil
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from shapely import box
 from tests.links.fast_time import FastTime
+from tests.links.fleets import plan_of
+
+from rota.driven_route import from_start
+from rota.links.link import Link
+from rota.links.link_settings import make_link
+from rota.links.sending import routes_for, send_all, start_all
+from rota.mission import Zone
+from rota.plan import Plan, Trajectory
+from rota.route import route_of
 
 FOLDER = Path(__file__).parent / "virtual_agv"
+
+
+ROUND_S, TOP_M_S = 28.0, 1.5
+NAMES = "abc"
+
+
+def start_m(robot: str) -> tuple[float, float]:
+    return 12.0 * NAMES.index(robot), 0.0
+
+
+def loop_of(robot: str) -> Trajectory:
+    """8 m x 4 m at 1 m/s, with 2 s of waiting at two corners."""
+    x, y = start_m(robot)
+    places = [(x, y), (x + 8, y), (x + 8, y), (x + 8, y + 4), (x, y + 4), (x, y + 4), (x, y)]
+    return Trajectory(robot=robot, times_s=[0, 8, 10, 14, 22, 24, 28], positions_m=places)
+
+
+def plan() -> Plan:
+    made = plan_of(*map(loop_of, NAMES))
+    fleet = made.mission.fleet
+    robots = tuple(replace(robot, speed_m_s=TOP_M_S) for robot in fleet.robots or ())
+    lane = Zone(name="lane", shape=box(0, 0, 32, 4), period_s=60)
+    fleet = replace(fleet, speed_m_s=TOP_M_S, robots=robots)
+    return replace(made, mission=replace(made.mission, fleet=fleet, zones=(lane,)))
 
 
 @dataclass
@@ -75,3 +109,68 @@ async def foreign(port: int, agvs: Sequence[ForeignAgv], clock: FastTime) -> Asy
             if agv.process is not None and agv.process.returncode is None:
                 agv.process.kill()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+@dataclass
+class Shift:
+    """A link to foreign vehicles that drive a plan, when they were started by their clocks, and what was told."""
+
+    of: Plan
+    link: Link
+    agvs: dict[str, ForeignAgv]
+    told: list[str] = field(default_factory=list)
+    began_s: float = 0.0
+
+    def late_s(self, robot: str) -> list[float]:
+        """How late a vehicle came to the first stop of each round after the first, by its own clock."""
+        way = next(way for way in self.of if way.robot == robot)
+        route = route_of(way, 0.0)
+        assert route.closing is not None
+        first, a_round = len(from_start(route)) - 1, len(route.every_round)
+        late = []
+        for sequence, unix_s in self.agvs[robot].passed:
+            rounds, part = divmod(sequence // 2 - first, a_round)
+            if rounds > 0 and part == 0:
+                arrives_s = way.loop_start_s + rounds * way.loop_duration_s - route.closing.hold_s
+                late.append(unix_s - self.began_s - arrives_s)
+        return late
+
+    @property
+    def errors(self) -> list[dict[str, Any]]:
+        """What all vehicles reported as errors."""
+        return [error for agv in self.agvs.values() for error in agv.errors]
+
+    async def start(self, clock: FastTime) -> None:
+        """Send all routes, and start all vehicles."""
+        routes = routes_for(self.of, self.link)
+        await send_all(self.link, routes)
+        self.began_s = clock.unix_s()
+        await start_all(self.link, routes)
+
+
+def with_foreign(
+    port: int,
+    clock: FastTime,
+    what: Callable[[Shift], Awaitable[None]],
+    *given: str,
+    of: Plan | None = None,
+    version: str = "2.0.0",
+) -> Shift:
+    """What comes of doing something with a link to a vehicle for each robot, which stands where its way begins."""
+    of = of or plan()
+
+    async def run() -> Shift:
+        agvs = {}
+        for way in of:
+            x, y = way.positions_m[0, :2].tolist()
+            agvs[way.robot] = ForeignAgv(way.robot, (x, y), of.mission.fleet.robot(way.robot).speed_m_s, version)
+        async with foreign(port, list(agvs.values()), clock):
+            shift = Shift(of, make_link("vda5050", of, [f"port={port}", *given]), agvs)
+            try:
+                await shift.link.open()
+                await what(shift)
+            finally:
+                await shift.link.close()
+        return shift
+
+    return clock.run(run())

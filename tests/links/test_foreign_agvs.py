@@ -3,51 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from shapely import box
 from tests.links.agv import broker
 from tests.links.fast_time import FastTime
-from tests.links.fleets import plan_of
-from tests.links.foreign_agvs import ForeignAgv, foreign, require_node
+from tests.links.foreign_agvs import NAMES, ROUND_S, Shift, plan, require_node, start_m, with_foreign
 
 from rota.errors import LinkError
-from rota.links.link_settings import make_link
-from rota.links.sending import routes_for, send_all, start_all
+from rota.links.sending import routes_for, send_all
 from rota.live.driving import Driving
 from rota.live.keeping import Keeping
 from rota.live.ready import make_ready
 from rota.live.watch import Watch
-from rota.mission import Zone
-from rota.plan import Plan, Trajectory
 
 pytestmark = pytest.mark.node
-ROUND_S, STOPS, TOP_M_S = 28.0, 4, 1.5
-NAMES = "abc"
-
-
-def start_m(robot: str) -> tuple[float, float]:
-    return 12.0 * NAMES.index(robot), 0.0
-
-
-def loop_of(robot: str) -> Trajectory:
-    """8 m x 4 m at 1 m/s, with 2 s of waiting at two corners."""
-    x, y = start_m(robot)
-    places = [(x, y), (x + 8, y), (x + 8, y), (x + 8, y + 4), (x, y + 4), (x, y + 4), (x, y)]
-    return Trajectory(robot=robot, times_s=[0, 8, 10, 14, 22, 24, 28], positions_m=places)
-
-
-def plan() -> Plan:
-    made = plan_of(*map(loop_of, NAMES))
-    fleet = made.mission.fleet
-    robots = tuple(replace(robot, speed_m_s=TOP_M_S) for robot in fleet.robots or ())
-    lane = Zone(name="lane", shape=box(0, 0, 32, 4), period_s=60)
-    fleet = replace(fleet, speed_m_s=TOP_M_S, robots=robots)
-    return replace(made, mission=replace(made.mission, fleet=fleet, zones=(lane,)))
 
 
 @pytest.fixture(scope="module")
@@ -55,48 +26,6 @@ def port(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
     require_node()
     with broker(tmp_path_factory.mktemp("broker")) as number:
         yield number
-
-
-@dataclass
-class Shift:
-    """A link to foreign vehicles, when they were started by their clocks, and what was told meanwhile."""
-
-    link: Any
-    agvs: dict[str, ForeignAgv]
-    told: list[str]
-    began_s: float = 0.0
-
-    def late_s(self, robot: str) -> list[float]:
-        """How late a vehicle was at the first stop of each round after the first, by its own clock."""
-        passed = [(number // 2, unix_s) for number, unix_s in self.agvs[robot].passed]
-        return [unix_s - self.began_s - n // STOPS * ROUND_S for n, unix_s in passed if n and n % STOPS == 0]
-
-
-def with_foreign(
-    port: int, clock: FastTime, what: Callable[[Shift], Awaitable[None]], *given: str, version: str = "2.0.0"
-) -> Shift:
-    """What comes of doing something with a link to three vehicles."""
-
-    async def run() -> Shift:
-        agvs = {name: ForeignAgv(name, start_m(name), TOP_M_S, version) for name in NAMES}
-        async with foreign(port, list(agvs.values()), clock):
-            link = make_link("vda5050", plan(), [f"port={port}", *given])
-            shift = Shift(link, agvs, [])
-            try:
-                await link.open()
-                await what(shift)
-            finally:
-                await link.close()
-        return shift
-
-    return clock.run(run())
-
-
-async def send_and_start(shift: Shift, clock: FastTime) -> None:
-    routes = routes_for(plan(), shift.link)
-    await send_all(shift.link, routes)
-    shift.began_s = clock.unix_s()
-    await start_all(shift.link, routes)
 
 
 @pytest.mark.slow  # four rounds of 28 s, five times as fast as the clock
@@ -112,7 +41,7 @@ def test_three_keep_their_phase_for_four_rounds_while_one_dies(
         driving = Driving(
             shift.link, Watch(plan()), Keeping(plan(), {}), None, lambda notice: shift.told.append(notice.text)
         )
-        await send_and_start(shift, clock)
+        await shift.start(clock)
         await driving.drive(until_s=2.5 * ROUND_S, should_stop=lambda: False)
         assert shift.told == []
         assert shift.link.trouble == ""
@@ -124,7 +53,7 @@ def test_three_keep_their_phase_for_four_rounds_while_one_dies(
     assert [len(shift.late_s(name)) for name in NAMES] == [4, 4, 2]
     for name in NAMES:
         assert max(map(abs, shift.late_s(name))) < 1.0
-        assert shift.agvs[name].errors == []
+    assert shift.errors == []
     assert [text.split(":")[0] for text in shift.told] == ["c is lost"]
 
 
@@ -153,7 +82,7 @@ def test_vehicles_are_led_home_and_take_a_new_order_afterwards(port: int, monkey
     clock.let_links_have_it(monkeypatch)
 
     async def drive(shift: Shift) -> None:
-        await send_and_start(shift, clock)
+        await shift.start(clock)
         await asyncio.sleep(16.0)
         for name in NAMES:
             await shift.link.pause(name)
