@@ -9,7 +9,7 @@ import numpy as np
 
 from rota.plan import Trajectory
 
-CHORD_OFF_M = 0.05
+OFF_M = 0.05
 
 
 @dataclass
@@ -41,14 +41,15 @@ class Drive:
         self.leg(end, (peak - v1) / a, -a)
 
     def curve(self, corner: np.ndarray, u0: np.ndarray, u1: np.ndarray, v: float, a: float) -> None:
-        """The parabola past a corner, in chords that are never off by more than CHORD_OFF_M."""
+        """The parabola past a corner by its tangents, which are never off by more than OFF_M."""
         total_s = 2 * v * math.sin(turn(u0, u1) / 2) / a
-        count = max(1, math.ceil(total_s / (2 * math.sqrt(2 * CHORD_OFF_M / a))))
-        bend = v * (u1 - u0) / total_s
-        begin = corner - u0 * v * total_s / 2
-        for k in range(1, count + 1):
-            t = total_s * k / count
-            self.leg(begin + v * u0 * t + bend * t**2 / 2, total_s / count)
+        count = max(1, math.ceil(total_s / math.sqrt(8 * OFF_M / a)))
+        at = corner - u0 * v * total_s / 2
+        step_s = total_s / count
+        for k in range(count + 1):
+            leg_s = step_s / 2 if k in (0, count) else step_s
+            at = at + v * (u0 + (u1 - u0) * k / count) * leg_s
+            self.leg(at, leg_s)
 
 
 def turn(u0: np.ndarray, u1: np.ndarray) -> float:

@@ -1,7 +1,8 @@
 """The stops of a trajectory whose legs have accelerations: where it rests, and the corners that it cuts.
 
 A corner that is cut is a parabola: one acceleration, not along the way, turns the velocity from one straight way to the
-next and leaves the speed as it was. Its chords are the trajectory's legs; the corner is where the straight ways meet.
+next and leaves the speed as it was. A trajectory gives it as tangents: the velocity turns by equal steps, equally long
+apart, first half of such a time after the parabola's beginning. The corner is where the straight ways meet.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from rota.plan import Floats, Trajectory
 
 ROUNDS = 3  # unrolled: in the second all is as in all later ones, and the third tells how the second ends
 AT_REST_M_S = 1e-6
-SAME_PLACE_M = 1e-6  # by which chords may be off a parabola
 SAME_DIRECTION = 1e-7  # radians by which legs of one straight way may differ, as rounding makes them
+SAME_PLACE_M = 1e-8  # by which the end of the second of them may be off it
 SAME_TIME = 1e-9  # share of a round by which times may differ, likewise
-SAME_SPEED = 1e-6  # share by which speeds before and after a corner may differ, as rounding makes them
+SAME_SPEED = 1e-6  # share by which speeds and steps may differ, likewise
+SAME_TURNED_SPEED = 1e-8  # and those before and after a corner, which the fewest turns leave nearly the same
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,6 +60,11 @@ class _Leg:
     @cached_property
     def direction(self) -> Floats:
         return np.asarray((self.end_m - self.begin_m) / self.length_m)
+
+    @cached_property
+    def velocity_m_s(self) -> Floats:
+        """At its beginning."""
+        return self.direction * self.speeds_m_s[0]
 
     @cached_property
     def speeds_m_s(self) -> tuple[float, float]:
@@ -146,7 +153,7 @@ def _goes_on(leg: _Leg, after: _Leg) -> bool:
 
 def _straight_on(direction: Floats, after: _Leg) -> bool:
     off = float(np.linalg.norm(after.direction - direction))
-    return off <= SAME_DIRECTION or off * after.length_m <= SAME_PLACE_M / 100
+    return off <= SAME_DIRECTION or off * after.length_m <= SAME_PLACE_M
 
 
 def _stops(legs: list[_Leg], begin_m: Floats) -> Iterator[PassedStop]:
@@ -154,57 +161,40 @@ def _stops(legs: list[_Leg], begin_m: Floats) -> Iterator[PassedStop]:
     begun_s = legs[0].end_s if legs and legs[0].length_m == 0 else 0.0
     yield PassedStop(place_m=begin_m, reached_s=0.0, left_s=begun_s, top_speed_m_s=0.0)
     i, top = (1 if begun_s else 0), 0.0
-    velocity = np.zeros(len(begin_m))
     while i < len(legs):
-        leg = legs[i]
-        top = max(top, *leg.speeds_m_s)
-        velocity, i = leg.direction * leg.speeds_m_s[1], i + 1
-        while i < len(legs):
-            after, speed = legs[i], float(np.linalg.norm(velocity))
-            if after.length_m == 0 or speed <= AT_REST_M_S:
-                waits = after.length_m == 0
-                left_s = after.end_s if waits else after.begin_s
-                yield PassedStop(place_m=after.begin_m, reached_s=after.begin_s, left_s=left_s, top_speed_m_s=top)
-                i, top = i + waits, 0.0
-                break
-            if _straight_on(velocity / speed, after):
-                break
-            chords = _chords(legs, i, velocity)
-            if chords == 0:
-                yield PassedStop(
-                    place_m=after.begin_m, reached_s=after.begin_s, left_s=after.begin_s, top_speed_m_s=top
-                )
-                top = 0.0
-                break
-            half_s = (legs[i + chords - 1].end_s - after.begin_s) / 2
+        leg, i = legs[i], i + 1
+        top, speed = max(top, *leg.speeds_m_s), leg.speeds_m_s[1]
+        if i == len(legs):
+            break
+        after = legs[i]
+        if after.length_m == 0 or speed <= AT_REST_M_S:
+            waits = after.length_m == 0
+            left_s = after.end_s if waits else after.begin_s
+            yield PassedStop(place_m=after.begin_m, reached_s=after.begin_s, left_s=left_s, top_speed_m_s=top)
+            i, top = i + waits, 0.0
+        elif not _straight_on(leg.direction, after):
+            velocity = speed * leg.direction
+            turns = _turns(legs, i, velocity)
+            half_s = (turns - 1) * after.duration_s / 2 if turns > 1 else 0.0  # from the first turn to the corner
             corner_m, passed_s = after.begin_m + velocity * half_s, after.begin_s + half_s
-            yield PassedStop(place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=max(top, speed))
-            velocity, top = _turned(legs[i], velocity, 2 * half_s), speed
-            i += chords
+            yield PassedStop(place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=top)
+            i, top = i + max(turns - 1, 0), 0.0
     if legs and legs[-1].length_m > 0:
         yield PassedStop(place_m=legs[-1].end_m, reached_s=legs[-1].end_s, left_s=legs[-1].end_s, top_speed_m_s=top)
 
 
-def _turned(chord: _Leg, velocity: Floats, after_s: float) -> Floats:
-    """The velocity (d,) so long after the beginning of a parabola, which begins at ``velocity`` and has this chord."""
-    first_s = chord.duration_s
-    return np.asarray(velocity + 2 * (chord.end_m - chord.begin_m - velocity * first_s) / first_s**2 * after_s)
+def _turns(legs: list[_Leg], first: int, velocity: Floats) -> int:
+    """How many equal turns bring the velocity to another direction at the same speed; 0: these legs are no curve.
 
-
-def _chords(legs: list[_Leg], first: int, velocity: Floats) -> int:
-    """How many legs from number ``first`` on are chords of one parabola; 0: none.
-
-    It begins at this velocity and ends at the same speed.
+    velocity: before leg number ``first``, which is the first of another direction. All turns are equally long apart.
     """
-    chord, speed = legs[first], float(np.linalg.norm(velocity))
-    first_s = chord.duration_s
-    bend = 2 * (chord.end_m - chord.begin_m - velocity * first_s) / first_s**2
-    found = 0
-    for count, leg in enumerate(itertools.islice(legs, first, None), 1):
-        after_s = leg.end_s - chord.begin_s
-        there_m = chord.begin_m + velocity * after_s + bend * after_s**2 / 2
-        if np.linalg.norm(leg.end_m - there_m) > SAME_PLACE_M:
-            break
-        if abs(np.linalg.norm(velocity + bend * after_s) - speed) <= SAME_SPEED * speed:
-            found = count
-    return found
+    speed, apart_s = float(np.linalg.norm(velocity)), legs[first].duration_s
+    change = legs[first].velocity_m_s - velocity
+    for turns, leg in enumerate(itertools.islice(legs, first, None), 1):
+        if leg.length_m == 0 or np.linalg.norm(leg.velocity_m_s - velocity - turns * change) > SAME_SPEED * speed:
+            return 0
+        if abs(leg.speeds_m_s[0] - speed) <= SAME_TURNED_SPEED * speed:
+            return turns
+        if abs(leg.duration_s - apart_s) > SAME_SPEED * apart_s:
+            return 0
+    return 0
