@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pytest
 from shapely import box
+from tests import driven_with_mass
 
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
@@ -79,6 +81,22 @@ def test_a_loop_in_rounds_serves_what_it_passes_on_each_of_them() -> None:
         positions_m=[[55, 5], [9, 9], [12, 5], [5, 5], [9, 9], [12, 5], [55, 5]], loop_start_s=0,
     )  # fmt: skip
     assert robot_rows(Plan(mission=MISSION, trajectories=(later,)))[0].slack == pytest.approx(row.slack)
+
+
+def test_a_place_that_is_passed_by_curves_ends_rounds_all_the_same() -> None:
+    hub = np.array([14.0, 12.0])
+    corners = np.array([[14, 30], hub, [50, 12], [50, 30], hub, [5, 8], [5, 30]])
+    loop = driven_with_mass.rounded(corners, np.array([0, 1.2, 2, 2, 1.2, 1, 1]), np.zeros(7), top=6, a=2)
+    moments = np.arange(0, loop.loop_duration_s, 0.01)
+    off_m = np.linalg.norm(loop.at(moments) - hub, axis=1)
+    passed_s = moments[1:-1][(off_m[1:-1] < off_m[:-2]) & (off_m[1:-1] < off_m[2:]) & (off_m[1:-1] < 2)]
+    assert len(passed_s) == 2
+    longest_s = max(passed_s[1] - passed_s[0], loop.loop_duration_s - passed_s[1] + passed_s[0])
+    gate = dataclasses.replace(MISSION.zones[0], period_s=25)
+    mission = dataclasses.replace(MISSION, zones=(gate,))
+    row = robot_rows(Plan(mission=mission, trajectories=(dataclasses.replace(loop, robot="r"),)))[0]
+    assert row.zones == ("gate", "area")
+    assert row.slack == pytest.approx(1 - longest_s / 25, abs=1e-3)
 
 
 def test_a_robot_that_stays_has_all_its_period_left() -> None:

@@ -13,6 +13,7 @@ from shapely import LineString, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
 from rota.mission import AREA, DiscSensor, Mission, Sensor, Zone
+from rota.passed_stops import passed_stops
 from rota.plan import Plan, Trajectory
 from rota.polygons import polygons_of
 
@@ -87,10 +88,14 @@ def _served(
 def _rounds(trajectory: Trajectory) -> tuple[list[LineString | Point], float]:
     """The loop cut wherever it comes back to the place to which it comes back most often, and its longest piece's time.
 
-    One piece, and the whole loop's time, when it comes back nowhere.
+    One piece, and the whole loop's time, when it comes back nowhere. Corners that are cut count as if they were not:
+    past one place lead many curves.
     """
     times_s = trajectory.times_s[trajectory.loop_index :]
     points_m = trajectory.positions_m[trajectory.loop_index :, :2]
+    if trajectory.accelerations_m_s2 is not None and (stops := passed_stops(trajectory)[1]):
+        times_s = np.array([stop.left_s for stop in stops])
+        points_m = np.array([stop.place_m[:2] for stop in stops])
     if len(points_m) < 3:
         return [LineString(points_m) if len(points_m) > 1 else Point(points_m[0])], trajectory.loop_duration_s
     _, place, visits = np.unique(np.round(points_m[:-1], 6), axis=0, return_inverse=True, return_counts=True)
