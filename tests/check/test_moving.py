@@ -19,7 +19,7 @@ SENSOR = DiscSensor(radius_m=5)
 
 
 def found(trajectory: dict[str, Any], times_s: tuple[float, ...], positions_m: Any, radius_m: float = 1.0) -> list[Any]:
-    robot = Robot(name="a", speed_m_s=2, sensor=SENSOR, body_radius_m=0.5)
+    robot = Robot(name="a", speed_m_s=4, sensor=SENSOR, body_radius_m=0.5)
     mission = Mission(
         name="crossing", area=MultiPolygon([box(-50, -50, 50, 50)]), planning=SwarmSettings(),
         fleet=Fleet(speed_m_s=2, sensor=SENSOR, robots=(robot,)),

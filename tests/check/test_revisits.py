@@ -10,7 +10,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.check.demands import visits
 from rota.check.pieces import Pieces, convex_pieces, joined, quartered
-from rota.check.revisits import loop_gap, piece_gaps, sights_of, worst_gaps_s
+from rota.check.revisits import loop_gap, piece_gaps, point_pieces, sights_of, worst_gaps_s
 from rota.check.routes import classes_in_step, commensurable_classes, routes_of
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
 from rota.plan import Plan, Trajectory
@@ -65,6 +65,26 @@ def test_two_robots_half_a_loop_apart_halve_the_gap() -> None:
     assert worst_gaps_s(plan(m, route(square), route(late, robot="b")), point) == pytest.approx(14.0)
     # a second start that is 3 s late makes gaps of 14 - 3 and 14 + 3
     assert worst_gaps_s(plan(m, route(square), route(late, robot="b", delay=3.0)), point) == pytest.approx(17.0)
+
+
+def test_a_robot_from_rest_to_rest_sees_by_its_parabola() -> None:
+    """16 m at 0.5 m/s2 and -0.5 m/s2, 8 s, and back again: s(t) = t^2 / 4, 8 m after sqrt(32) s."""
+    way = Trajectory(
+        robot="a", times_s=4 * math.sqrt(2) * np.arange(5), positions_m=[(0, 0), (8, 0), (16, 0), (8, 0), (0, 0)],
+        accelerations_m_s2=[0.5, -0.5, 0.5, -0.5],
+    )  # fmt: skip
+    there = plan(mission(DiscSensor(radius_m=1)), way)
+    points = np.array([[5.0, 0.0], [16.0, 0.0]])
+    found = piece_gaps(sights_of(there, (-1, -1, 17, 2)), point_pieces(points), np.zeros(2))
+    whole = way.times_s[-1]
+    # in range from 4 m to 6 m on its way, and from 15 m on; points are seen from 1e-9 m farther off
+    assert found.firsts_s == pytest.approx([4.0, whole / 2 - 2.0], abs=1e-8)
+    assert found.gaps_s == pytest.approx([whole - 2 * math.sqrt(24), whole - 4.0], abs=1e-8)
+    inside = visits(
+        there.trajectories[0].positions_m[[[0, 1], [1, 2], [2, 3], [3, 4]]].reshape(4, 4), box(4, -1, 6, 1), 1e-9
+    )
+    gap, begin = loop_gap(routes_of(there), inside)
+    assert (gap, begin) == pytest.approx((whole - 2 * math.sqrt(24), math.sqrt(24)))
 
 
 def test_slower_robot_on_the_same_loop_meets_in_every_phase_of_the_common_measure() -> None:

@@ -14,7 +14,7 @@ from tests.check.accelerated import all_accelerated
 
 from rota.check import check_plan, revisits
 from rota.check.pieces import convex_pieces
-from rota.check.revisits import piece_gaps, sights_of, worst_gaps_s
+from rota.check.revisits import piece_gaps, point_pieces, sights_of, worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
 from rota.plan import Plan, Trajectory
 
@@ -48,6 +48,28 @@ def random_plan(rng: np.random.Generator, *, robots: int, obstacles: int) -> Pla
         period_s=1.0,
     )
     return Plan(mission=mission, trajectories=tuple(trajectories))
+
+
+@pytest.mark.parametrize("bent", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_first_sights_match_sampled_times(seed: int, bent: bool) -> None:
+    rng = np.random.default_rng(300 + seed)
+    plan = random_plan(rng, robots=2, obstacles=0)
+    plan = all_accelerated(plan, rng) if bent else plan
+    points = rng.uniform(0, 10, (60, 2))
+    times = np.arange(0, max(t.times_s[-1] for t in plan), 1e-3)
+    firsts = np.full(len(points), np.inf)
+    for trajectory in plan:
+        sensor = plan.mission.fleet.robot(trajectory.robot).sensor
+        away = np.abs(points[:, None] - trajectory.at(times)[None])
+        if isinstance(sensor, DiscSensor):
+            near = np.hypot(away[..., 0], away[..., 1]) <= sensor.radius_m
+        else:
+            near = away.max(axis=2) <= sensor.side_m / 2
+        firsts = np.where(near.any(axis=1), np.minimum(firsts, times[near.argmax(axis=1)]), firsts)
+    found = piece_gaps(sights_of(plan, (0, 0, 10, 10)), point_pieces(points), np.zeros(60)).firsts_s
+    assert (found <= firsts + 1e-6).all()  # samples may miss a sight
+    assert np.mean(np.isclose(found, firsts, atol=1.1e-3) | (np.isinf(found) & np.isinf(firsts))) >= 0.95
 
 
 def sampled_gaps_s(plan: Plan, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -141,7 +141,8 @@ def _note_meetings(
     end = np.where(np.isfinite(end), end, start)
     way_a, way_b = _way(routes, a, start, end), _way(routes, b, start - shift_s, end - shift_s)
     # the gap goes from what it is first to what it is last, along a line where both move evenly
-    gap, last, bow = (np.nan_to_num(of_b - of_a) for of_a, of_b in zip(way_a, way_b, strict=True))
+    gap, last = np.nan_to_num(way_b.begin - way_a.begin), np.nan_to_num(way_b.end - way_a.end)
+    bow = np.nan_to_num(way_b.bow - way_a.bow) if routes.bends.any() else np.zeros_like(gap)
     share = nearest_shares(gap, last - gap, bow)
     nearest = gaps_at(gap, last - gap, bow, share)
     distance = np.sqrt((nearest**2).sum(axis=1))
@@ -165,6 +166,9 @@ def _way(routes: Routes, legs: Ints, from_s: Floats, to_s: Floats) -> _Way:
     # as a share of the leg, since no speed tells anything of a leg that lasts next to no time
     long = np.where(length > 0, length, 1.0)
     first, last = (np.clip((time_s - start) / long, 0.0, 1.0) * (length > 0) for time_s in (from_s, to_s))
+    if not bends.any():
+        from_m, to_m = (begin + share[:, None] * (end - begin) for share in (first, last))
+        return _Way(from_m, to_m, np.zeros_like(begin))
     from_m, to_m = (begin + (share + bends * share * (share - 1))[:, None] * (end - begin) for share in (first, last))
     return _Way(from_m, to_m, (bends * (last - first) ** 2)[:, None] * (end - begin))
 
