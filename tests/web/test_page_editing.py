@@ -204,6 +204,13 @@ def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
     kept = document(page)["fleet"]
     assert kept["speed_m_s"] == 5
     assert "vehicle" not in kept
+    fleet.get_by_label("Vehicle", exact=True).select_option("arducopter")
+    page.locator("#tab-plan").click()
+    page.get_by_role("combobox", name="Planner", exact=True).select_option("swarm")
+    kept = document(page)["fleet"]
+    assert kept["speed_m_s"] == 10  # WPNAV_SPEED
+    assert "vehicle" not in kept
+    assert "acceleration_m_s2" not in kept
 
 
 def test_faults_are_told_at_the_field_on_the_shape_and_in_the_list(page: Any) -> None:

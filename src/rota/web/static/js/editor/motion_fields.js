@@ -14,6 +14,20 @@ const FIELDS = {
   wind_m_s: ["Wind", "m/s"],
 };
 
+/** A fleet or a robot without vehicle and motion, for planners that do not heed them; it keeps its vehicle's speed. */
+export function changingSpeedAtOnce(block, schema) {
+  if (typeof block !== "object" || block === null) {
+    return block;
+  }
+  const kept = Object.fromEntries(Object.entries(block).filter(([name]) => name !== "vehicle" && !(name in FIELDS)));
+  const speed = presetsOf(schema)[block.vehicle]?.speed_m_s;
+  return speed === undefined || block.speed_m_s !== undefined ? kept : { ...kept, speed_m_s: speed };
+}
+
+function presetsOf(schema) {
+  return schema?.$defs?.FleetBlock?.properties?.vehicle?.presets ?? {};
+}
+
 export class MotionFields {
   /**
    * @param {import("./fields.js").Fields} fields
@@ -22,7 +36,7 @@ export class MotionFields {
   constructor(fields, schema) {
     this.fields = fields;
     this.properties = schema?.$defs?.FleetBlock?.properties ?? {};
-    this.presets = this.properties.vehicle?.presets ?? {};
+    this.presets = presetsOf(schema);
     this.speeds = new Map(); // those that vehicles took the place of
   }
 

@@ -2,6 +2,7 @@
 
 import { el } from "../dom.js";
 import { keepingFocus } from "./fields.js";
+import { changingSpeedAtOnce } from "./motion_fields.js";
 import { withValue } from "./paths.js";
 
 const FIRST_SETTINGS = ["effort", "task", "controller", "method"]; // shown before the rest is unfolded
@@ -61,8 +62,20 @@ export class PlannerForm {
   choose(planner) {
     const { document } = this.fields.store;
     this.kept[this.planner] = document[this.planner];
-    const without = withValue(document, [this.planner], undefined);
+    const without = withValue(this.fleetFor(planner), [this.planner], undefined);
     this.fields.store.apply(withValue(withValue(without, ["planner"], planner), [planner], this.kept[planner]));
+  }
+
+  /** The document with a fleet that a planner takes: only patrol heeds motion. */
+  fleetFor(planner) {
+    const { document } = this.fields.store;
+    if (planner === "patrol" || typeof document.fleet !== "object") {
+      return document;
+    }
+    const free = (block) => changingSpeedAtOnce(block, this.schema);
+    const { robots } = document.fleet;
+    const fleet = { ...free(document.fleet), ...(Array.isArray(robots) ? { robots: robots.map(free) } : {}) };
+    return withValue(document, ["fleet"], fleet);
   }
 
   setting(path, name, about) {
