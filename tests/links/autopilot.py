@@ -62,6 +62,8 @@ class Autopilot:
     modes: list[int] = field(default_factory=list)
     speeds_m_s: list[float] = field(default_factory=list)
     paused: bool = False
+    stands: bool = False
+    targets: list[tuple[float, Any]] = field(default_factory=list)
     params: dict[str, float] = field(default_factory=dict)
     in_air: bool = False
     silent: bool = False
@@ -167,8 +169,21 @@ class Autopilot:
             self.in_air, flight.height_m = False, 0.0
         elif command == mav.MAV_CMD_DO_REPOSITION:
             flight.lat, flight.lon, flight.height_m = message.x / 1e7, message.y / 1e7, message.z - HOME_MM / 1000
+        elif command == mav.MAV_CMD_REQUEST_MESSAGE and int(message.param1) == mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN:
+            self.send(self.link.gps_global_origin_encode(*self.script.position[:2], HOME_MM, 0))
         elif command == mav.MAV_CMD_DO_SET_MISSION_CURRENT:
             flight.number, flight.items = int(message.param1), self.items[MISSION]
+
+    def on_set_position_target_local_ned(self, target: Any) -> None:
+        """Be at once where it is told to be, places counted as ArduPilot does."""
+        self.targets.append((time.monotonic(), target))
+        if self.stands:
+            return
+        lat0, lon0 = self.script.position[0] / 1e7, self.script.position[1] / 1e7
+        flight, metres = self.flight, 111318.84502145034
+        flight.lat = lat0 + target.x / metres
+        flight.lon = lon0 + target.y / metres / math.cos(math.radians((flight.lat + lat0) / 2))
+        flight.height_m = -target.z
 
     def on_mission_set_current(self, message: Any) -> None:
         self.flight.number, self.flight.items = message.seq, self.items[MISSION]

@@ -126,7 +126,9 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
             await first_reports(link, [route.robot for route in routes])
             flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
             typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
-            if along is not None and (told := along.told_before()) is not None:
+            for told in along.told_before() if along is not None else ():
+                typer.echo(told)
+            for told in await _by_themselves(link, plan):
                 typer.echo(told)
             if not order.start:
                 typer.echo("Nothing was started: --start does.")
@@ -146,6 +148,30 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
                 finally:
                     if holds:
                         say(f"to watch them: {watching} --set start_time={_begun_text(link)}")
+
+
+async def _by_themselves(link: Link, plan: Plan) -> list[str]:
+    """What robots do by themselves, each sentence once with those whom it holds for."""
+    from rota.links.flights import Flights
+
+    whose: dict[str, list[str]] = {}
+    sentences = await asyncio.gather(*map(link.by_itself, link.robots))
+    for robot, said in zip(link.robots, sentences, strict=True):
+        for sentence in said:
+            whose.setdefault(sentence, []).append(robot)
+    told = [
+        f"{'each robot' if len(robots) == len(link.robots) else ', '.join(robots)}: {said}"
+        for said, robots in whose.items()
+    ]
+    if link.flies:
+        flights = Flights(link, plan.mission, say)
+        shares = [(way.robot, flights.blocked_home(way)) for way in plan]
+        blocked = [f"{share:.0%} of {robot}'s" for robot, share in shares if share > 0]
+        if blocked:
+            told.append(
+                f"a straight way home, which they take by themselves, crosses obstacles from {', '.join(blocked)} way"
+            )
+    return told
 
 
 def _along(plan: Plan, link: Link, order: Order) -> AbstractContextManager[Along | None]:

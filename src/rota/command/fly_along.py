@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from rota.live.watch import Watch
     from rota.plan import Plan
 
+ROOM = 0.03  # by which robots can be faster than the clock of all
 NEWS_EVERY_S = 10.0
-RELEASED = "robots get no more stops from here on, and wait at the last one that they have"
+RELEASED = "robots get nothing more from here on, and wait at the last stop that they have, or where they are"
 GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
 
 
@@ -34,20 +35,28 @@ class Along(AbstractContextManager["Along"]):
 
         self._link = link
         self._watch: Watch = Watch(plan)
-        self._keeping: Keeping = _keeping(plan) if link.keeps_phase else _without_slack(plan)
+        self._keeping: Keeping = _keeping(plan, _most_rate(link)) if link.keeps_phase else _without_slack(plan)
         self._log = None if log is None else LogWriter(log, plan, self._watch.settings)
 
     def __exit__(self, *failed: Any) -> None:
         if self._log is not None:
             self._log.__exit__(*failed)
 
-    def told_before(self) -> str | None:
-        """How much slower than planned all may drive before something lapses; None where nothing can be told."""
-        found = self._keeping.least_pace() if self._link.keeps_phase else None
-        if found is None:
-            return None
-        pace, name = found
-        return f"robots are kept in phase; driven at less than {pace:.3f} of the plan's pace, {name} lapses"
+    def told_before(self) -> list[str]:
+        """How slowly all may drive before something lapses, and who has to be slower than planned."""
+        if not self._link.keeps_phase:
+            return []
+        told = []
+        if (found := self._keeping.least_pace()) is not None:
+            pace, name = found
+            told.append(f"robots are kept in phase; driven at less than {pace:.3f} of the plan's pace, {name} lapses")
+        if self._keeping.rate < 1:
+            slowest = min(self._link.robots, key=self._link.most_pace)
+            lapses = self._keeping.lapses_at(self._keeping.rate)
+            then = f"; {', '.join(lapses)}" if lapses else ""
+            can = f"{slowest} can be driven at {self._link.most_pace(slowest):.2f} of its pace"
+            told.append(f"{can}; all go at {self._keeping.rate:.2f} of theirs, to leave it room{then}")
+        return told
 
     async def drive(self, seconds: float | None) -> None:
         """Until Ctrl-C, for so many seconds, or until the link's reports end."""
@@ -91,14 +100,21 @@ def _tell(notice: Notice) -> None:
         say(notice_line(notice).strip())
 
 
-def _keeping(plan: Plan) -> Keeping:
+def _most_rate(link: Link) -> float:
+    """The pace of the clock of all that leaves each robot room to make something up."""
+    return min((link.most_pace(robot) for robot in link.robots), default=1.0) / (1 + ROOM)
+
+
+def _keeping(plan: Plan, most_rate: float) -> Keeping:
     """With what the check says of each demand."""
     from rota.check import check_plan
     from rota.live.keeping import Keeping, Slack
 
     mention_compiling("check")
     demands = check_plan(plan).demands
-    return Keeping(plan, {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands})
+    return Keeping(
+        plan, {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands}, most_rate
+    )
 
 
 def _without_slack(plan: Plan) -> Keeping:

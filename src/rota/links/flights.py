@@ -10,14 +10,19 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from functools import partial
 
+import numpy as np
+import shapely
+
 from rota.errors import LinkError
 from rota.links.free_ways import LayeredWay, layered_ways
 from rota.links.link import Link
 from rota.mission import Mission
+from rota.plan import Trajectory
 from rota.route import Route
 
 Calls = Mapping[str, Callable[[], Awaitable[None]]]
 
+LOOKED_FROM = 500  # moments of a trajectory
 CALLED_HOME = "called home along free ways: "
 
 
@@ -37,6 +42,17 @@ class Flights:
             x, y, _ = route.start_m
             ends[route.robot] = (self._place_m(route.robot), (x, y))
         return layered_ways(self._mission, ends)
+
+    def blocked_home(self, trajectory: Trajectory) -> float:
+        """The share of its time, 0 to 1, from which a straight way home crosses what blocks motion."""
+        home_m = self._link.home_m(trajectory.robot)
+        blocking = [obstacle.shape for obstacle in self._mission.obstacles if obstacle.blocks_motion]
+        if home_m is None or not blocking:
+            return 0.0
+        times_s = np.linspace(0.0, float(trajectory.times_s[-1]), LOOKED_FROM)
+        from_m = trajectory.at(times_s)[:, :2]
+        ways = shapely.linestrings(np.stack([from_m, np.broadcast_to(home_m[:2], from_m.shape)], axis=1))
+        return float(np.mean(shapely.intersects(ways, shapely.union_all(blocking))))
 
     async def gather(self, routes: Sequence[Route]) -> None:
         """Let all hover where their routes begin.

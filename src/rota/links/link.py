@@ -95,6 +95,9 @@ class Link(Protocol):
     async def clear_route(self, robot: str) -> None:
         """Take the robot's route and fence away; no error where it has none."""
 
+    async def by_itself(self, robot: str) -> tuple[str, ...]:
+        """Sentences on what it does by itself where the link is lost or it leaves its fence, and on what it lacks."""
+
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off or will; None where it has not said so."""
 
@@ -119,6 +122,9 @@ class Link(Protocol):
         Called about once a second for each robot, with what is late then. The link does what its robots can, by their
         speeds and waits, no faster than they may drive; what they cannot make up shows in the next call.
         """
+
+    def most_pace(self, robot: str) -> float:
+        """The share of the plan's pace that it can be driven at by all that is known before; inf: nothing is known."""
 
     def room_s(self, robot: str) -> float:
         """How late a robot may be that makes it up by itself within a round; 0 where that is not known."""

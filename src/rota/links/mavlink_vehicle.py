@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -31,7 +32,8 @@ class MavlinkVehicle:
     """A vehicle; it has ``answer_s`` for all that is asked of it.
 
     item: the number of the mission item that it flies to, as it said last. home: its degrees of latitude and longitude,
-    and its height over sea in metres.
+    and its height over sea in metres. heard_s: when it
+    last said where it is, by the monotonic clock.
     """
 
     robot: str
@@ -44,6 +46,7 @@ class MavlinkVehicle:
     in_air: bool = False
     home: tuple[float, float, float] | None = None
     home_height_m: float = 0.0
+    heard_s: float = -math.inf
     _said: list[tuple[float, str]] = field(default_factory=list)
     _plugins: dict[str, Any] = field(default_factory=dict)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Mapping, Sequence
 
 from rota.errors import LinkError
@@ -42,9 +43,17 @@ class ReportingLink:
     def begin(self) -> None:
         """The plan's time runs only while robots can drive."""
 
+    def most_pace(self, robot: str) -> float:
+        """Nothing is known of that."""
+        return math.inf
+
     def room_s(self, robot: str) -> float:
         """Nothing is known of that."""
         return 0.0
+
+    async def by_itself(self, robot: str) -> tuple[str, ...]:
+        """Nothing is known of that."""
+        return ()
 
     def home_m(self, robot: str) -> Place3 | None:
         """Nothing is known of it."""

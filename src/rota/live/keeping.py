@@ -44,13 +44,17 @@ class Slack:
 
 
 class Keeping:
-    """The clock of all for a plan's robots. slack: of each demand by its name; what is met by plan is told from it."""
+    """The clock of all for a plan's robots. slack: of each demand by its name; what is met by plan is told from it.
 
-    def __init__(self, plan: Plan, slack: Mapping[str, Slack]) -> None:
+    most_rate: the share of the plan's pace at which the clock goes at most, up to 1.
+    """
+
+    def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0) -> None:
+        self._most_rate = min(most_rate, 1.0)
         self._slack = slack
         self._tracks = {way.robot: _Track(min(LOOKED_BACK_S, way.loop_duration_s or LOOKED_BACK_S)) for way in plan}
         self._now_s: float | None = None
-        self.rate = 1.0
+        self.rate = self._most_rate
         self.behind_s = 0.0
 
     def late_s(self, robot: RobotState) -> float:
@@ -73,7 +77,7 @@ class Keeping:
             # nobody is nearer to the clock: it is they that keep it
             self.behind_s += min(on_route) - EARLY_SHARE * LATE_S
         told: list[Notice] = []
-        orders, rates = [], [1.0]
+        orders, rates = [], [self._most_rate]
         for robot in robots:
             track = self._tracks[robot.name]
             if not _drives(robot):
@@ -83,16 +87,16 @@ class Keeping:
             track.note(now_s, robot.lag_s)
             orders.append((robot.name, late_s))
             pace, late_s = track.pace(), late_s - room_s.get(robot.name, 0.0)
-            if pace is not None and pace >= LEAST_RATE:
+            if pace is not None and pace >= LEAST_RATE * self._most_rate:
                 share = (late_s - EARLY_SHARE * LATE_S) / ((1 - EARLY_SHARE) * LATE_S)
                 rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))
             told += self._standing(now_s, robot.name, track, late_s, pace)
-        self.rate = max(LEAST_RATE, min(rates))
+        self.rate = max(min(LEAST_RATE, self._most_rate), min(rates))
         return [self._order(name, late_s) for name, late_s in orders], told
 
     def _order(self, name: str, late_s: float) -> Order:
         # one that is late drives as fast as it can: its pace tells how slowly all have to go
-        rate = self.rate if late_s < EARLY_SHARE * LATE_S else 1.0
+        rate = self.rate if late_s < EARLY_SHARE * LATE_S else self._most_rate
         return Order(robot=name, late_s=late_s, rate=rate)
 
     def _standing(self, now_s: float, name: str, track: _Track, late_s: float, pace: float | None) -> list[Notice]:
@@ -100,10 +104,10 @@ class Keeping:
         if pace is None:
             return []
         track.late_since_s = min(track.late_since_s, now_s) if late_s >= LATE_S else math.inf
-        slow = now_s - track.late_since_s >= TOLD_AFTER_S and pace < 1 - NOTED
+        slow = now_s - track.late_since_s >= TOLD_AFTER_S and pace < self._most_rate - NOTED
         if slow and not track.told_slow:
             track.told_slow = True
-            waits = pace >= LEAST_RATE
+            waits = pace >= LEAST_RATE * self._most_rate
             others = f"all go on at {pace:.2f} of the plan's pace" if waits else "the others go on without it"
             lapses = self.lapses_at(pace) if waits else []
             then = f"; at that pace {listed(lapses)}" if lapses else "; nothing lapses by that" if waits else ""

@@ -1,0 +1,104 @@
+"""ArduCopters that are driven by timed targets; they hold a fence, and no mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from rota.errors import LinkError
+from rota.files.geodesy import Projection
+from rota.links.link import Mode
+from rota.links.mavlink_guided import CUSTOM_MODE, DO_SET_MODE, GUIDED
+from rota.links.mavlink_items import WireItem
+from rota.links.mavlink_link import MODES, MavlinkLink, MavlinkSettings
+from rota.links.mavlink_targets import MOST_PACE, Target, TargetStream, most_pace
+from rota.links.mavlink_vehicle import MavlinkVehicle
+from rota.links.rounded_track import RoundedTrack
+from rota.plan import Plan
+from rota.route import Place3, Route
+
+
+class MavlinkTargetLink(MavlinkLink):
+    """A Link to ArduCopters in their mode GUIDED; see ``mavlink_targets``."""
+
+    drives_along = True
+    modes: ClassVar[dict[str, Mode]] = {**MODES, "OFFBOARD": "running", "MISSION": "paused"}
+
+    def __init__(self, plan: Plan, projection: Projection, settings: MavlinkSettings) -> None:
+        fleet = plan.mission.fleet
+        tops_m_s = {way.robot: fleet.robot(way.robot).speed_m_s for way in plan}
+        super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings)
+        self._altitude_m = fleet.altitude_m
+        asked, corner_m = settings.acceleration_m_s2, settings.corner_m
+        # rounded more than need be where there is room, so that all can be driven faster than planned for a while
+        self._tracks = {way.robot: RoundedTrack(way, asked / MOST_PACE**2, corner_m) for way in plan}
+        self._most = {name: most_pace(track, fleet.robot(name), asked) for name, track in self._tracks.items()}
+        self._stream = TargetStream()
+        self._paused_s: dict[str, float] = {}
+
+    def most_pace(self, robot: str) -> float:
+        """By the acceleration at its corners, and by the air."""
+        return self._most[robot]
+
+    async def _connect(self, robot: str) -> None:
+        await super()._connect(robot)
+        if self._vehicle(robot).autopilot != "ardupilot":
+            raise LinkError(f"robot {robot}: its autopilot is PX4; way=targets is for ArduCopters (--set way=mission)")
+
+    def _items(self, route: Route, vehicle: MavlinkVehicle) -> list[WireItem]:
+        return []
+
+    async def start(self, robot: str) -> None:
+        """From the air: follow targets from the route's beginning, or after a pause from where it is."""
+        vehicle = self._vehicle(robot)
+        if not vehicle.in_air:
+            raise LinkError(f"robot {robot}: it is on the ground; targets are for copters that have gathered")
+        await vehicle.command("its mode guided", DO_SET_MODE, [CUSTOM_MODE, GUIDED])
+        self._stream.give(robot, await self._target(vehicle))
+
+    async def _target(self, vehicle: MavlinkVehicle) -> Target:
+        paused_s = self._paused_s.pop(vehicle.robot, None)
+        telemetry = vehicle.plugin("telemetry", "Telemetry")
+        (origin,) = await vehicle.ask("its origin", telemetry.get_gps_global_origin_async)
+        return Target(
+            vehicle=vehicle,
+            track=self._tracks[vehicle.robot],
+            projection=self._projection,
+            origin=(origin.latitude_deg, origin.longitude_deg, origin.altitude_m),
+            height_m=self._altitude_m,
+            ramp_m_s2=self._settings.acceleration_m_s2 / 2,
+            most=self._most[vehicle.robot],
+            latest=lambda: self.latest(vehicle.robot),
+            phase_s=paused_s or 0.0,
+            lost=paused_s is not None,
+        )
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """By the pace of its targets."""
+        target = self._stream.target(robot)
+        if target is not None:
+            target.keep(late_s, rate)
+
+    async def pause(self, robot: str) -> None:
+        """No more targets, and hold."""
+        target = self._stream.take(robot)
+        if target is not None:
+            self._paused_s[robot] = target.phase_s
+        await super().pause(robot)
+
+    async def go(self, robot: str, places_m: Sequence[Place3]) -> None:
+        """Targets of its route end."""
+        self._stream.take(robot)
+        self._paused_s.pop(robot, None)
+        await super().go(robot, places_m)
+
+    async def come_home(self, robot: str) -> None:
+        """Targets of its route end."""
+        self._stream.take(robot)
+        self._paused_s.pop(robot, None)
+        await super().come_home(robot)
+
+    async def close(self) -> None:
+        """Vehicles get no more targets, and stop where they are."""
+        self._stream.end()
+        await super().close()

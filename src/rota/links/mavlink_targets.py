@@ -1,0 +1,178 @@
+"""ArduCopters driven by timed targets: place, velocity and acceleration, ten times a second, in their mode GUIDED.
+
+Each has a moment of its plan, its phase, which goes on as the clock of all does, faster or slower where it has to
+make up or lose time. It waits for a vehicle that falls back, and for one that is not heard: that stops by itself,
+by GUID_TIMEOUT, and goes on from the nearest place of its way, never by a jump to the clock.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rota.files.geodesy import Projection
+from rota.fleet import Robot
+from rota.links.link import Report
+from rota.links.mavlink_vehicle import MavlinkVehicle
+from rota.links.rounded_track import RoundedTrack
+from rota.vehicles.presets import ARDUCOPTER
+
+EVERY_S = 0.1
+LOCAL_NED, PLACE_SPEED_AND_ACCELERATION = 1, 3072  # MAV_FRAME; the mask that leaves out yaw and yaw rate
+METRES_PER_1E7 = 0.011131884502145034  # LOCATION_SCALING_FACTOR, AP_Common/Location.h: as ArduPilot itself counts
+SILENT_S = 1.0  # after which a vehicle's phase stands still
+LOOK_BACK_S, LOOK_AHEAD_S = 15.0, 2.0  # of the phase, in which a vehicle that is heard again is looked for on its way
+CATCH_UP_S = 5.0  # in which it is to make up what it is late by
+MOST_PACE = 1.3  # of the plan's, however much room there is
+AIR_SHARE = 0.9  # of the airspeed that the wind leaves: the rest holds the way
+DELAY_S = 0.4  # by which a report is older than the target that it belongs to
+NEAR_M, FAR_M = 2.0, 6.0  # beside its target by more: its phase goes on more slowly; by so much: not at all
+
+
+def most_pace(track: RoundedTrack, robot: Robot, acceleration_m_s2: float) -> float:
+    """The share of the plan's pace at which a robot can be driven at most: by its corners, and by the air."""
+    top = robot.motion.top_airspeed_m_s
+    if top is None:
+        assert ARDUCOPTER.top_airspeed_m_s is not None
+        top = ARDUCOPTER.top_airspeed_m_s.value
+    paces = [MOST_PACE]
+    if track.hardest.acceleration_m_s2 > 0:
+        paces.append(math.sqrt(acceleration_m_s2 / track.hardest.acceleration_m_s2))
+    if track.top_m_s > 0:
+        paces.append(AIR_SHARE * (top - robot.motion.wind_m_s) / track.top_m_s)
+    return min(paces)
+
+
+@dataclass(kw_only=True)
+class Target:
+    """One vehicle's. origin: degrees and height over sea of its local frame. height_m: where the way has none.
+
+    most: the pace that it can be driven at, as a share of the plan's.
+    """
+
+    vehicle: MavlinkVehicle
+    track: RoundedTrack
+    projection: Projection
+    origin: tuple[float, float, float]
+    height_m: float
+    ramp_m_s2: float
+    most: float
+    latest: Callable[[], Report | None]
+    phase_s: float = 0.0
+    pace: float = 0.0
+    wanted: float = 1.0
+    lost: bool = False
+    _at_s: float = field(default_factory=time.monotonic)
+
+    def keep(self, late_s: float, rate: float) -> None:
+        """Gain ``late_s`` on a clock that goes at ``rate``, or lose as much."""
+        self.wanted = min(max(0.0, rate * (1 + late_s / CATCH_UP_S)), self.most)
+
+    def step(self, now_s: float) -> dict[str, float] | None:
+        """Let the phase go on; the fields of the target to be sent. None: the vehicle is not heard."""
+        passed_s, self._at_s = now_s - self._at_s, now_s
+        report = self.latest()
+        if report is None or now_s - self.vehicle.heard_s > SILENT_S:
+            self.lost, self.pace = True, 0.0
+            return None
+        if self.lost:
+            self.lost = False
+            self._find(report)
+        here = self.track.at(self.phase_s)
+        speed = float(np.linalg.norm(here.velocity_m_s))
+        off_m = math.dist(here.place_m[:2], report.position_m[:2]) - speed * self.pace * DELAY_S
+        heeded = min(max((FAR_M - off_m) / (FAR_M - NEAR_M), 0.0), 1.0)
+        most = self.ramp_m_s2 / max(speed, 1.0) * passed_s
+        change = min(max(self.wanted * heeded - self.pace, -most), most)
+        self.phase_s += (self.pace + change / 2) * passed_s
+        self.pace += change
+        return self._fields(change / passed_s if passed_s > 0 else 0.0)
+
+    def _find(self, report: Report) -> None:
+        """Go on from where it is: the moment whose place is nearest."""
+        place = np.array(report.position_m[: len(self.track.at(0.0).place_m)])
+        self.phase_s = self.track.nearest_s(place, self.phase_s - LOOK_BACK_S, self.phase_s + LOOK_AHEAD_S)
+
+    def _fields(self, pace_change: float) -> dict[str, float]:
+        place, velocity, acceleration = self.track.at(self.phase_s)
+        east, north, up = _in_space(velocity * self.pace)
+        a_east, a_north, a_up = _in_space(acceleration * self.pace**2 + velocity * pace_change)
+        (lon,), (lat,) = self.projection.to_degrees([float(place[0])], [float(place[1])])
+        lat0, lon0, sea_m = self.origin
+        per_degree = METRES_PER_1E7 * 1e7
+        height_m = float(place[2]) if len(place) == 3 else self.height_m
+        return {
+            "x": (float(lat) - lat0) * per_degree,
+            "y": (float(lon) - lon0) * per_degree * math.cos(math.radians((float(lat) + lat0) / 2)),
+            "z": sea_m - (self.vehicle.home_height_m + height_m),
+            "vx": north, "vy": east, "vz": -up, "afx": a_north, "afy": a_east, "afz": -a_up,
+        }  # fmt: skip
+
+
+def _in_space(vector: np.ndarray) -> tuple[float, float, float]:
+    x, y, *z = vector.tolist()
+    return x, y, z[0] if z else 0.0
+
+
+class TargetStream:
+    """A thread that sends all vehicles their targets: what the program does beside must not hold them up."""
+
+    def __init__(self) -> None:
+        self._targets: dict[str, Target] = {}
+        self._done = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def give(self, robot: str, target: Target) -> None:
+        """Begin to drive a robot."""
+        self._targets = {**self._targets, robot: target}
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, daemon=True)
+            self._thread.start()
+
+    def take(self, robot: str) -> Target | None:
+        """Stop driving a robot; what it was driven by."""
+        found = self._targets.get(robot)
+        self._targets = {name: target for name, target in self._targets.items() if name != robot}
+        return found
+
+    def target(self, robot: str) -> Target | None:
+        """What a robot is driven by; None where it is not."""
+        return self._targets.get(robot)
+
+    def end(self) -> None:
+        """Send no more."""
+        self._done.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _run(self) -> None:
+        next_s = time.monotonic()
+        while not self._done.is_set():
+            for target in self._targets.values():
+                fields = target.step(time.monotonic())
+                if fields is not None:
+                    send(target.vehicle, fields)
+            next_s = max(next_s + EVERY_S, time.monotonic())
+            self._done.wait(next_s - time.monotonic())
+
+
+def send(vehicle: MavlinkVehicle, fields: dict[str, float]) -> None:
+    """Send a target; one that does not get out is followed by the next."""
+    from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkMessage
+
+    system = vehicle.system.get_system_id()
+    told = {
+        "time_boot_ms": 0, "target_system": system, "target_component": 1, "coordinate_frame": LOCAL_NED,
+        "type_mask": PLACE_SPEED_AND_ACCELERATION, **fields, "yaw": 0.0, "yaw_rate": 0.0,
+    }  # fmt: skip
+    message = MavlinkMessage("SET_POSITION_TARGET_LOCAL_NED", 0, 0, system, 1, json.dumps(told))
+    try:
+        vehicle.plugin("mavlink_direct", "MavlinkDirect").send_message(message)
+    except MavlinkDirectError:
+        return

@@ -1,0 +1,124 @@
+"""Copters driven by timed targets: where they are by them, what a lost link comes to, and what is told before."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink.dialects.v20 import common as mav
+from tests.links.autopilot import Autopilot, Script, flying
+from tests.links.fleets import loop_of, plan_of, routes_of
+from tests.links.test_mavlink import with_link
+
+from rota.errors import LinkError
+from rota.links.flights import Flights
+from rota.links.link_settings import make_link
+from rota.links.rounded_track import RoundedTrack
+from rota.links.sending import first_reports, routes_for, send_all, start_all
+
+pytestmark = pytest.mark.mavsdk
+COPTER = Script(firmware=mav.MAV_AUTOPILOT_ARDUPILOTMEGA, flies=True, position=(481000000, 114998657, 0))
+PLAN = plan_of(loop_of("a", 0.0))
+
+
+async def started(link: Any) -> None:
+    await first_reports(link, link.robots)
+    await send_all(link, routes_for(PLAN, link))
+    await Flights(link, PLAN.mission, lambda _: None).gather(routes_of(PLAN))
+    await start_all(link, routes_of(PLAN))
+
+
+def test_targets_lead_along_the_rounded_way_and_a_copter_that_was_not_heard_goes_on_where_it_is() -> None:
+    track = RoundedTrack(PLAN.trajectories[0], 3.0 / 1.3**2, 1.5)
+
+    async def fly(link: Any) -> tuple[float, float]:
+        await started(link)
+        await asyncio.sleep(4.0)
+        assert link.latest("a").mode == "running"
+        phase_s = link._stream.target("a").phase_s
+        vehicles[0].silent = vehicles[0].stands = True
+        await asyncio.sleep(2.0)
+        vehicles[0].silent = False
+        await asyncio.sleep(0.5)
+        vehicles[0].stands = False
+        await asyncio.sleep(1.0)
+        return phase_s, link._stream.target("a").phase_s
+
+    with flying(COPTER) as vehicles:
+        before_s, after_s = with_link(PLAN, vehicles, fly, "way=targets")
+        assert len(vehicles[0].items[0]) <= 1  # no mission, but home
+        told = list(vehicles[0].targets)
+    assert 2.0 < before_s < 4.0  # it speeds up for some seconds, and loses time by that
+    assert before_s < after_s < before_s + 3.0  # not 5.5 s on
+    gaps_s = np.diff([at_s for at_s, _ in told])
+    assert np.median(gaps_s) == pytest.approx(0.1, abs=0.02)
+    assert gaps_s.max() > 0.8  # nothing is sent to a copter that is not heard
+    for _, target in told[5::7]:
+        place_m = np.array([target.y - 10, target.x])  # its origin is where its route begins, at (-10, 0)
+        at_s = track.nearest_s(place_m, 0.0, 20.0, 0.01)
+        here = track.at(at_s)
+        assert math.dist(here.place_m, place_m) < 0.05
+        pace = math.hypot(target.vx, target.vy) / np.linalg.norm(here.velocity_m_s)
+        assert pace < 1.01
+        assert target.z == pytest.approx(-25.0, abs=0.01)
+        assert target.type_mask == 0b110000000000
+
+
+def test_what_is_late_is_made_up_by_the_pace() -> None:
+    async def fly(link: Any) -> list[float]:
+        await started(link)
+        await asyncio.sleep(3.0)
+        target, paces = link._stream.target("a"), []
+        for late_s in (1.0, -1.0):
+            await link.keep("a", late_s, 1.0)
+            await asyncio.sleep(2.0)
+            paces.append(target.pace)
+        await link.pause("a")
+        assert link._stream.target("a") is None
+        return paces
+
+    with flying(COPTER) as vehicles:
+        assert with_link(PLAN, vehicles, fly, "way=targets", "acceleration_m_s2=6") == pytest.approx(
+            [1.2, 0.8], abs=0.01
+        )
+
+
+def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() -> None:
+    has = {
+        "FS_GCS_ENABLE": 1.0, "FS_GCS_TIMEOUT": 5.0, "RTL_ALT": 1500.0, "GUID_TIMEOUT": 3.0, "WPNAV_ACCEL": 250.0,
+        "PSC_JERK_XY": 20.0, "FENCE_ENABLE": 1.0, "FENCE_ACTION": 4.0,
+    }  # fmt: skip
+
+    async def ask(link: Any) -> tuple[str, ...]:
+        return await link.by_itself("a")  # type: ignore[no-any-return]
+
+    def told(vehicles: list[Autopilot], *given: str) -> tuple[str, ...]:
+        return with_link(PLAN, vehicles, ask, *given)  # type: ignore[no-any-return]
+
+    with flying(COPTER) as vehicles:
+        vehicles[0].params.update(has)
+        assert told(vehicles, "way=targets") == (
+            "if this link is lost, it stops after 3 s and hovers, and after 5 s it returns to launch (FS_GCS_ENABLE 1),"
+            " straight, at 15 m or higher",
+            "beyond its fence it brakes, or lands (FENCE_ACTION 4)",
+            "for targets WPNAV_ACCEL is 250, 500 is needed; GUID_TIMEOUT is 3, 0.5 s is needed",
+        )
+        vehicles[0].params.update({"FS_OPTIONS": 2.0, "FENCE_ENABLE": 0.0})
+        assert told(vehicles) == (
+            "if this link is lost, it flies its mission on (FS_OPTIONS 2)",
+            "it does not heed its fence (FENCE_ENABLE 0)",
+        )
+
+
+def test_targets_are_for_arducopters() -> None:
+    with flying(Script()) as vehicles, pytest.raises(LinkError, match=r"robot a: its autopilot is PX4; way=targets is"):
+        with_link(PLAN, vehicles, started, "way=targets")
+
+
+def test_how_fast_corners_let_a_plan_be_driven_is_known_before() -> None:
+    link = make_link("mavlink", PLAN, ["way=targets", "corner_m=0.5", "acceleration_m_s2=2"])
+    change = 4 * math.sqrt(2)  # from 4 m/s to 4 m/s, at right angles; where the robot waits it stops
+    assert link.most_pace("a") == pytest.approx(math.sqrt(2 / (change**2 / (8 * 0.5))), rel=1e-6)

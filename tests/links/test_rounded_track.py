@@ -1,0 +1,80 @@
+"""Rounded corners against their closed forms, and against derivatives by differences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rota.links.rounded_track import RoundedTrack
+from rota.plan import Trajectory
+
+
+def corner(angle_deg: float, speed_m_s: float) -> Trajectory:
+    """50 m straight, a turn by an angle, and 50 m on; there it stays."""
+    leg_s, angle = 50 / speed_m_s, math.radians(angle_deg)
+    there = [50.0, 0.0]
+    return Trajectory(
+        robot="a",
+        times_s=[0, leg_s, 2 * leg_s],
+        positions_m=[[0, 0], there, [50 + 50 * math.cos(angle), 50 * math.sin(angle)]],
+        loop_start_s=2 * leg_s,
+    )
+
+
+SQUARE = Trajectory(robot="a", times_s=[0, 10, 20, 30, 40], positions_m=[[0, 0], [40, 0], [40, 40], [0, 40], [0, 0]])
+STOPS = Trajectory(  # from rest to rest on each side: two legs with accelerations
+    robot="a",
+    times_s=[0, 5, 10, 15, 20, 25, 30],
+    positions_m=[[-10, 0], [0, 0], [10, 0], [10, 5], [10, 10], [5, 5], [-10, 0]],
+    accelerations_m_s2=[0.8, -0.8, 0.4, -0.4, 0, 0],
+)
+
+
+@pytest.mark.parametrize("angle_deg", [20, 90, 150])
+def test_corners_are_cut_by_what_the_closed_form_says(angle_deg: float) -> None:
+    speed, limit = 4.0, 2.5
+    track = RoundedTrack(corner(angle_deg, speed), limit, 5.0)
+    cut_m = speed**2 * math.sin(math.radians(angle_deg) / 2) ** 2 / (2 * limit)
+    middle = track.at(12.5)
+    assert math.dist(middle.place_m, (50, 0)) == pytest.approx(cut_m)
+    assert np.hypot(*middle.acceleration_m_s2) == pytest.approx(limit)
+    assert track.hardest.acceleration_m_s2 == pytest.approx(limit)
+
+
+def test_a_corner_that_may_hardly_be_cut_takes_more() -> None:
+    track = RoundedTrack(corner(90, 8.0), 2.5, 1.5)
+    change = 8 * math.sqrt(2)
+    assert math.dist(track.at(6.25).place_m, (50, 0)) == pytest.approx(1.5)
+    assert track.hardest.acceleration_m_s2 == pytest.approx(change**2 / (8 * 1.5))
+    assert track.hardest.place_m == (50.0, 0.0)
+    assert track.top_m_s == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize("way", [SQUARE, STOPS, corner(90, 4.0)], ids=["square", "stops", "stays"])
+def test_velocities_and_accelerations_are_the_derivatives_and_nothing_jumps(way: Trajectory) -> None:
+    track = RoundedTrack(way, 2.5, 1.5)
+    step = 1e-4
+    for time_s in np.arange(way.times_s[1] - 0.9, 2.3 * way.times_s[-1], 0.137):
+        before, at, after = (track.at(time_s + k * step) for k in (-1, 0, 1))
+        if time_s + step < way.times_s[-1] or way.loop_duration_s:
+            slope = (after.place_m - before.place_m) / (2 * step)
+            np.testing.assert_allclose(at.velocity_m_s, slope, atol=2e-3)
+        assert np.linalg.norm(after.place_m - before.place_m) < 5 * 2 * step
+        assert np.linalg.norm(after.velocity_m_s - before.velocity_m_s) < 0.01 or time_s > way.times_s[-1] - 0.1
+
+
+def test_it_is_where_the_plan_has_it_but_at_corners_in_every_round() -> None:
+    track = RoundedTrack(SQUARE, 2.5, 5.0)
+    for time_s in np.arange(0.0, 170.0, 0.3):
+        off_m = math.dist(track.at(time_s).place_m, SQUARE.at(time_s))
+        assert off_m <= 4**2 * 0.5 / 5 + 1e-9
+    assert math.dist(track.at(80.0).place_m, (0, 0)) == pytest.approx(4**2 * 0.5 / 5)
+    np.testing.assert_allclose(track.at(85.0).velocity_m_s, [4, 0])
+
+
+def test_the_nearest_moment_is_found_within_a_round() -> None:
+    track = RoundedTrack(SQUARE, 2.5, 1.5)
+    assert track.nearest_s(np.array([20.0, 1.0]), 80.0, 95.0) == pytest.approx(85.0, abs=0.051)
+    assert track.nearest_s(np.array([20.0, 1.0]), 0.0, 20.0) == pytest.approx(5.0, abs=0.051)
