@@ -93,8 +93,20 @@ def test_robots_have_what_the_fleet_has_unless_they_say_otherwise(tmp_path: Path
 
 def test_a_robot_on_the_floor_turns_as_its_vehicle_does(tmp_path: Path) -> None:
     fleet = read(tmp_path, vehicle="turtlebot4")
-    assert (fleet.speed_m_s, fleet.turn_rate_rad_s, fleet.motion.acceleration_m_s2) == (0.26, 1.0, 2.5)
+    assert (fleet.speed_m_s, fleet.turn_rate_rad_s, fleet.motion.acceleration_m_s2) == (0.26, 1.0, 0.9)
     assert read(tmp_path, vehicle="turtlebot4", turn_rate_rad_s=None).turn_rate_rad_s is None
+
+
+def test_a_plane_turns_on_arcs_that_grow_with_its_speed(tmp_path: Path) -> None:
+    # a level turn banked by 45 degrees: v^2 / g
+    assert read(tmp_path, vehicle="arduplane").turn_radius_m == pytest.approx(12**2 / 9.81, rel=1e-3)
+    fast = read(tmp_path, vehicle="arduplane", speed_m_s=18, wind_m_s=4)
+    assert fast.turn_radius_m == pytest.approx(18**2 / 9.81, rel=1e-3)
+    assert fast.motion == MotionLimits(vehicle="arduplane", climb_m_s=5, descend_m_s=5, top_airspeed_m_s=22, wind_m_s=4)
+    assert read(tmp_path, vehicle="arduplane", turn_radius_m=50).turn_radius_m == 50
+    assert read(tmp_path, vehicle="arduplane", turn_rate_rad_s=1).turn_radius_m == 0
+    slow = read(tmp_path, vehicle="arduplane", robots=[{"name": "a"}, {"name": "b", "speed_m_s": 10}]).robots or ()
+    assert [robot.turn_radius_m for robot in slow] == pytest.approx([12**2 / 9.81, 10**2 / 9.81], rel=1e-3)
 
 
 def test_a_vehicle_whose_acceleration_no_source_tells_warns(tmp_path: Path) -> None:

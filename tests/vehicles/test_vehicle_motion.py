@@ -55,7 +55,9 @@ def test_every_value_has_a_source_and_every_model_what_it_needs() -> None:
                 assert fact.value > 0, (vehicle.name, field.name)
                 assert fact.parameter, (vehicle.name, field.name)
                 assert fact.source, (vehicle.name, field.name)
-    assert set(VEHICLES) == {"arducopter", "arducopter-tuned", "px4", "dji", "agv", "turtlebot4", "none"}
+    assert set(VEHICLES) == {
+        "arducopter", "arducopter-tuned", "px4", "dji", "arduplane", "agv", "turtlebot4", "none",
+    }  # fmt: skip
     for name in MODELS:
         assert VEHICLES[name].formats
         model_of(VEHICLES[name])

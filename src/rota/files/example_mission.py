@@ -49,8 +49,8 @@ fleet:
   body_radius_m: 0                   # how far robots keep from walls and from each other
   turn_rate_rad_s: null              # null: turning takes no time
   turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
-  # vehicle: arducopter              # or arducopter-tuned, px4, dji, agv, turtlebot4, none: presets what is not given,
-                                     # the speed, too. Without one robots change speed at once
+  # vehicle: arducopter              # or arducopter-tuned, px4, dji, arduplane, agv, turtlebot4, none: presets what
+                                     # is not given, the speed, too. Without one robots change speed at once
   # acceleration_m_s2: 2.5           # along the way; corner_acceleration_m_s2 round corners, jerk_m_s3 of its changes
   # corner_m: 0                      # how far corners may be cut; 0: robots stop there
   # climb_m_s, descend_m_s, top_airspeed_m_s, wind_m_s

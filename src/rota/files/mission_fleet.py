@@ -102,8 +102,9 @@ def _driving(block: FleetBlock | RobotBlock, place: Place, common: Driving | Non
         values |= {name: common.values[name] for name in kept}
         places |= {name: common.places[name] for name in kept}
     preset = vehicle.preset(DRIVING)
-    if given.get("turn_radius_m"):
-        preset.pop("turn_rate_rad_s", None)
+    for name, other in (TURNING, TURNING[::-1]):
+        if given.get(name):
+            preset.pop(other, None)
     values |= preset | given
     places |= {name: (*place, "vehicle") for name in preset} | {name: (*place, name) for name in given}
     if values["vehicle"] == NONE.name:
@@ -114,6 +115,10 @@ def _driving(block: FleetBlock | RobotBlock, place: Place, common: Driving | Non
     top = values["top_airspeed_m_s"]
     if "speed_m_s" in preset and "speed_m_s" not in given and top is not None and values["wind_m_s"] < top:
         values["speed_m_s"] = min(values["speed_m_s"], top - values["wind_m_s"])
+    banks = VEHICLES[values["vehicle"] or NONE.name].preset(("turn_radius_m", "speed_m_s"))
+    if len(banks) > 1 and places["turn_radius_m"][-1] == "vehicle":
+        # banked as far as it may be, it turns on arcs that grow as the square of its speed
+        values["turn_radius_m"] = banks["turn_radius_m"] * (values["speed_m_s"] / banks["speed_m_s"]) ** 2
     return Driving(values=values, places=places)
 
 

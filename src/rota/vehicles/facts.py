@@ -22,7 +22,8 @@ class Vehicle:
     told: the vehicle in a sentence, "an ArduCopter by default parameters". formats: the export formats whose files it
     takes and whose motion is modelled. flies: it does not keep to the floor. acceleration_unknown: it has mass,
     and no source tells what that allows. speed_m_s: at which it drives unless told otherwise; top_speed_m_s: at most.
-    corner_m: how far from a waypoint the vehicle may pass. most_items, most_fence_points: what its memory holds.
+    turn_radius_m: at its own speed, and as the square of another. corner_m: how far from a waypoint the vehicle may
+    pass. most_items, most_fence_points: what its memory holds.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Vehicle:
     speed_m_s: Fact | None = None
     top_speed_m_s: Fact | None = None
     turn_rate_rad_s: Fact | None = None
+    turn_radius_m: Fact | None = None
     acceleration_m_s2: Fact | None = None
     corner_acceleration_m_s2: Fact | None = None
     jerk_m_s3: Fact | None = None

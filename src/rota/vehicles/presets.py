@@ -67,6 +67,21 @@ DJI = Vehicle(
     top_speed_m_s=Fact(value=15.0, parameter="autoFlightSpeed, the greatest", source=_DJI),
     corner_m=Fact(value=0.2, parameter="cornerRadiusInMeters", source=_DJI),
 )
+_PLANE_4_6 = "ArduPlane 4.6, default"  # ArduPlane/config.h and AP_TECS.cpp
+ARDUPLANE = Vehicle(
+    name="arduplane",
+    told="an ArduPlane by default parameters",
+    speed_m_s=Fact(value=12.0, parameter="AIRSPEED_CRUISE", source=_PLANE_4_6),
+    turn_radius_m=Fact(
+        value=round(12.0**2 / 9.80665, 2),
+        parameter="AIRSPEED_CRUISE, ROLL_LIMIT_DEG 45",
+        source="a level turn's radius, the speed squared over g and the bank's tangent",
+    ),
+    climb_m_s=Fact(value=5.0, parameter="TECS_CLMB_MAX", source=_PLANE_4_6),
+    descend_m_s=Fact(value=5.0, parameter="TECS_SINK_MAX", source=_PLANE_4_6),
+    lean_deg=Fact(value=45.0, parameter="ROLL_LIMIT_DEG", source=_PLANE_4_6),
+    top_airspeed_m_s=Fact(value=22.0, parameter="AIRSPEED_MAX", source=_PLANE_4_6),
+)
 _AGV = "vda-5050-lib.js, VirtualAgvAdapterOptions, default"
 AGV = Vehicle(
     name="agv",
@@ -76,20 +91,20 @@ AGV = Vehicle(
     top_speed_m_s=Fact(value=2.0, parameter="vehicleSpeed", source=_AGV),
 )
 _TURTLEBOT4 = "turtlebot4_navigation/config/nav2.yaml, FollowPath"
+_CREATE3 = "iRobot Create 3 documentation, safety: its base"
 TURTLEBOT4 = Vehicle(
     name="turtlebot4",
     told="a TurtleBot 4 under Nav2",
     flies=False,
     speed_m_s=Fact(value=0.26, parameter="max_vel_x", source=_TURTLEBOT4),
-    top_speed_m_s=Fact(
-        value=0.46, parameter="safety_override: full", source="iRobot Create 3 documentation, safety overrides"
-    ),
+    top_speed_m_s=Fact(value=0.46, parameter="max_speed with safety_override full", source=_CREATE3),
     turn_rate_rad_s=Fact(value=1.0, parameter="max_vel_theta", source=_TURTLEBOT4),
-    acceleration_m_s2=Fact(value=2.5, parameter="acc_lim_x", source=_TURTLEBOT4),
+    # Nav2's acc_lim_x, 2.5, is beyond what its base does
+    acceleration_m_s2=Fact(value=0.9, parameter="wheel_accel_limit", source=_CREATE3),
 )
 NONE = Vehicle(name="none", told="a robot that changes speed at once")
 
-VEHICLES = {each.name: each for each in (ARDUCOPTER, ARDUCOPTER_TUNED, PX4, DJI, AGV, TURTLEBOT4, NONE)}
+VEHICLES = {each.name: each for each in (ARDUCOPTER, ARDUCOPTER_TUNED, PX4, DJI, ARDUPLANE, AGV, TURTLEBOT4, NONE)}
 
 
 def vehicle_named(name: str, where: str = "--vehicle") -> Vehicle:
