@@ -78,3 +78,23 @@ def test_the_nearest_moment_is_found_within_a_round() -> None:
     track = RoundedTrack(SQUARE, 2.5, 1.5)
     assert track.nearest_s(np.array([20.0, 1.0]), 80.0, 95.0) == pytest.approx(85.0, abs=0.051)
     assert track.nearest_s(np.array([20.0, 1.0]), 0.0, 20.0) == pytest.approx(5.0, abs=0.051)
+
+
+def test_an_arc_of_short_legs_takes_what_its_curve_takes() -> None:
+    radius_m, speed_m_s, legs = 10.0, 5.0, 8  # 25 / 10 m/s2 towards the middle
+    half_s = math.pi * radius_m / legs / 2 / speed_m_s
+    angles = [math.pi * (k + 0.5) / legs for k in range(legs)]
+    tangents = [[0.0, -50.0], [0.0, 0.0]]  # the corners of a circumscribed polyline, with the points where it touches
+    for k, angle in enumerate(angles):
+        out_m = radius_m / math.cos(math.pi / legs / 2)
+        tangents.append([out_m * math.cos(angle) - radius_m, out_m * math.sin(angle)])
+        end = math.pi * (k + 1) / legs
+        tangents.append([radius_m * math.cos(end) - radius_m, radius_m * math.sin(end)])
+    tangents.append([-2 * radius_m, -50.0])
+    times_s = [0.0, 10.0, *(10.0 + half_s * (k + 1) for k in range(2 * legs))]
+    times_s.append(times_s[-1] + 10.0)
+    way = Trajectory(robot="a", times_s=times_s, positions_m=tangents, loop_start_s=times_s[-1])
+    track = RoundedTrack(way, 2.5, 1.5)
+    assert track.hardest.acceleration_m_s2 == pytest.approx(2.5, rel=0.05)
+    for time_s in np.arange(10.5, times_s[-2] - 0.5, 0.1):
+        assert math.dist(track.at(float(time_s)).place_m, (-radius_m, 0.0)) == pytest.approx(radius_m, abs=0.06)

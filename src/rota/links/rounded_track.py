@@ -7,6 +7,7 @@ corner at |dv| h / 4, and takes an acceleration of |dv| / (2 h): with h = |dv| /
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -31,6 +32,10 @@ class Hardest(NamedTuple):
 
     acceleration_m_s2: float
     place_m: tuple[float, float]
+
+
+def _share(one: float, other: float) -> float:
+    return one / (one + other) if one + other > 0 else 0.5
 
 
 class RoundedTrack:
@@ -69,12 +74,15 @@ class RoundedTrack:
     def _roundings(self, before: Floats, after: Floats, acceleration_m_s2: float, corner_m: float) -> Floats:
         """The half h (n,) of each point's rounding in seconds."""
         changes = np.sqrt(((after - before) ** 2).sum(axis=1))
+        # two points share the leg between them as they need it: where the way goes straight on, none of it
+        shares = np.array([_share(one, other) for one, other in itertools.pairwise(changes.tolist())])
         sides = np.full((2, len(changes)), math.inf)
-        sides[0, 1:], sides[1, :-1] = self._lasting / 2, self._lasting / 2
+        sides[0, 1:], sides[1, :-1] = self._lasting * (1 - shares), self._lasting * shares
         if self._way.loop_duration_s > 0:
-            sides[1, -1] = self._lasting[self._loop_from] / 2
-            sides[0, self._loop_from] = min(sides[0, self._loop_from], self._lasting[-1] / 2)
-            sides[0, -1] = min(sides[0, -1], sides[0, self._loop_from])
+            first = self._loop_from
+            sides[1, -1] = sides[1, first] = min(
+                sides[1, first], self._lasting[first] * _share(changes[-1], changes[first + 1])
+            )
         else:
             sides[1, -1] = LEAST_S
         room = sides.min(axis=0)
