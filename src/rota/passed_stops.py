@@ -30,13 +30,14 @@ class PassedStop:
     """A place (d,) in metres that the robot comes to, or the corner that it cuts, and when.
 
     reached_s and left_s are equal where it does not wait. top_speed_m_s: the greatest speed on the way there; 0 at the
-    beginning.
+    beginning. curve_m: how far before the corner the curve past it begins, and after it ends; 0: there is none.
     """
 
     place_m: Floats
     reached_s: float
     left_s: float
     top_speed_m_s: float
+    curve_m: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -175,9 +176,11 @@ def _stops(legs: list[_Leg], begin_m: Floats) -> Iterator[PassedStop]:
         elif not _straight_on(leg.direction, after):
             velocity = speed * leg.direction
             turns = _turns(legs, i, velocity)
-            half_s = (turns - 1) * after.duration_s / 2 if turns > 1 else 0.0  # from the first turn to the corner
+            apart_s = after.duration_s if turns > 1 else 0.0
+            half_s = (turns - 1) * apart_s / 2  # from the first turn to the corner
             corner_m, passed_s = after.begin_m + velocity * half_s, after.begin_s + half_s
-            yield PassedStop(place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=top)
+            curve_m = speed * (half_s + apart_s / 2)
+            yield PassedStop(place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=top, curve_m=curve_m)
             i, top = i + max(turns - 1, 0), 0.0
     if legs and legs[-1].length_m > 0:
         yield PassedStop(place_m=legs[-1].end_m, reached_s=legs[-1].end_s, left_s=legs[-1].end_s, top_speed_m_s=top)

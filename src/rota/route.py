@@ -28,7 +28,8 @@ class RouteStop:
     speed_m_s: more than 0; None where the robot is there already. turn_s: of hold_s, how long the robot turns at the
     end of it, where that is told apart: a robot that turns by itself is to wait for the rest only. planned_s: how long
     the way there is planned to take, where that is more than the speed says, since the robot speeds up and brakes;
-    None: what the speed says.
+    None: what the speed says. curve_m: how far before the stop the robot may leave its straight way to cut the corner,
+    and come back to the next; 0: it is not told to cut it.
     """
 
     place_m: Place3
@@ -36,6 +37,7 @@ class RouteStop:
     hold_s: float = 0.0
     turn_s: float = 0.0
     planned_s: float | None = None
+    curve_m: float = 0.0
 
     @property
     def wait_s(self) -> float:
@@ -136,6 +138,7 @@ def _route_past_corners(trajectory: Trajectory, altitude_m: float) -> Route:
                     speed_m_s=stop.top_speed_m_s,
                     hold_s=_hold_s(stop),
                     planned_s=stop.reached_s - before.left_s,
+                    curve_m=stop.curve_m,
                 )
             )
         return stops

@@ -13,7 +13,9 @@ import pytest
 from djikmz.model import KML, Waypoint
 from lxml import etree
 from pyproj import Geod
+from tests.driven_with_mass import reach
 from tests.files.two_robots import ORIGIN, two_robots, with_heights
+from tests.files.with_mass import CORNERS, ONCE, with_mass
 
 from rota.errors import PlanError, RotaError
 from rota.files import dji_waylines
@@ -205,3 +207,16 @@ def test_the_same_plan_gives_the_same_bytes(tmp_path: Path) -> None:
     assert [path.read_bytes() for path in paths[0]] == [path.read_bytes() for path in paths[1]]
     with pytest.raises(PlanError, match="another robot's file"):
         write_dji_waylines(two_robots(robots=("A", "a")), tmp_path / "three")
+
+
+def test_planned_corners_are_cut_from_where_their_curves_begin(tmp_path: Path) -> None:
+    path, _ = write_dji_waylines(with_mass(), tmp_path / "dji", WaylineSettings(duration_s=150))
+    waylines = etree.fromstring(kmz_documents(path)[1])
+    turns = waylines.iterfind(".//w:waypointTurnDampingDist", NAMES)
+    found = [turn_m for turn_m in (float(turn.text or "") for turn in turns) if turn_m > 0.2]
+    # past (100, 20) at 4 m/s and (90, 80) at 3 m/s, and on the way to the loop at 4 m/s
+    ways = [(CORNERS[0:3], 4.0), (CORNERS[1:4], 3.0), (ONCE, 4.0)]
+    steps = [([step / np.linalg.norm(step) for step in np.diff(way, axis=0)], speed) for way, speed in ways]
+    first, second, before = (reach(*u, speed, 2.5) for u, speed in steps)
+    assert found[:3] == pytest.approx([before, first, second], rel=1e-6)
+    assert found[3:] == pytest.approx([first, second] * ((len(found) - 3) // 2), rel=1e-6)

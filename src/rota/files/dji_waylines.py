@@ -91,9 +91,9 @@ def waypoints_of(plan: Plan, trajectory: Trajectory, projection: Projection, dur
     """One robot's waypoints: the approach from its start, then whole rounds; for one that stays the last is its place.
 
     A waypoint's speed is that of the leg after it, as in WPML. DJI's aircraft wait whole seconds only: what is left of
-    a wait makes the leg before it slower. Where the robot does not wait it turns within 0.2 m of the point, or less
-    where legs are short, since stopping at every point would take more time than planned. A robot that never moves has
-    two waypoints, the first a metre higher, since a wayline has two at least.
+    a wait makes the leg before it slower. Where the robot does not wait it turns within 0.2 m of the point, or where
+    its curve past a planned corner begins, or less where legs are short: stopping at every point would take more time
+    than planned. A robot that never moves has two waypoints, the first a metre higher; a wayline has two at least.
     """
     route = route_of(trajectory, start_height_m(trajectory, plan.mission.fleet.altitude_m))
     once, every_round = from_start(route), route.every_round
@@ -118,7 +118,8 @@ def _on_globe(robot: str, stops: Sequence[RouteStop], projection: Projection) ->
     legs_m = np.linalg.norm(np.diff(places_m, axis=0), axis=1)
     speeds_m_s = [stop.speed_m_s or 0.0 for stop in stops[1:]]
     _require_flyable(robot, max(speeds_m_s), float(places_m[:, 2].max()))
-    turns_m = np.minimum(TURN_M, SHARE_OF_LEG * np.minimum(legs_m[:-1], legs_m[1:])).tolist()
+    begin_m = np.maximum(TURN_M, [stop.curve_m for stop in stops[1:-1]])
+    turns_m = np.minimum(begin_m, SHARE_OF_LEG * np.minimum(legs_m[:-1], legs_m[1:])).tolist()
     passing = [turn_m if stop.hold_s == 0 else 0.0 for stop, turn_m in zip(stops[1:-1], turns_m, strict=True)]
     columns = (
         lon.tolist(),
