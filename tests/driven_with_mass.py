@@ -40,10 +40,10 @@ class Drive:
         self.leg(begin + (length - down) * along, (length - up - down) / peak)
         self.leg(end, (peak - v1) / a, -a)
 
-    def curve(self, corner: np.ndarray, u0: np.ndarray, u1: np.ndarray, v: float, a: float) -> None:
+    def curve(self, corner: np.ndarray, u0: np.ndarray, u1: np.ndarray, v: float, a: float, least: int) -> None:
         """The parabola past a corner by its tangents, which are never off by more than OFF_M."""
         total_s = 2 * v * math.sin(turn(u0, u1) / 2) / a
-        count = max(1, math.ceil(total_s / math.sqrt(8 * OFF_M / a)))
+        count = max(least, math.ceil(total_s / math.sqrt(8 * OFF_M / a)))
         at = corner - u0 * v * total_s / 2
         step_s = total_s / count
         for k in range(count + 1):
@@ -69,6 +69,7 @@ def rounded(
     top: float,
     a: float,
     once: np.ndarray | None = None,
+    least_tangents: int = 1,
 ) -> Trajectory:
     """A loop round the corners (n, d), past each at its speed, or 0: stops there and waits.
 
@@ -95,7 +96,7 @@ def rounded(
         u = (after - place) / np.linalg.norm(after - place)
         if v > 0:
             before = path[k - 1][0]
-            drive.curve(place, (place - before) / np.linalg.norm(place - before), u, v, a)
+            drive.curve(place, (place - before) / np.linalg.norm(place - before), u, v, a, least_tangents)
         end = after
         if v1 > 0:
             w = path[k + 2][0] - after

@@ -138,6 +138,13 @@ def test_curves_that_touch_have_their_own_corners() -> None:
     np.testing.assert_allclose(places(route, 2), np.roll(corners, -1, axis=0), atol=NEAR_M)
 
 
+def test_the_slightest_corner_is_one_corner() -> None:
+    # by less than a hundredth of a degree, in two turns that leave the speed as it is but for its last digits
+    corners = np.array([[0.0, 0.0], [1000.0, 0.0], [2000.0, 0.08], [1000.0, 800.0]])
+    slight = rounded(corners, np.array([0.0, 6.0, 0.0, 0.0]), np.zeros(4), top=TOP, a=0.05, least_tangents=2)
+    np.testing.assert_allclose(places(route_of(slight, 30), 2), np.roll(corners, -1, axis=0), atol=NEAR_M)
+
+
 def test_what_is_no_parabola_keeps_its_points() -> None:
     bent = Trajectory(
         robot="a",

@@ -191,13 +191,13 @@ def _turns(legs: list[_Leg], first: int, velocity: Floats) -> int:
 
     velocity: before leg number ``first``, which is the first of another direction. All turns are equally long apart.
     """
-    speed, apart_s = float(np.linalg.norm(velocity)), legs[first].duration_s
+    speed, apart_s, found = float(np.linalg.norm(velocity)), legs[first].duration_s, 0
     change = legs[first].velocity_m_s - velocity
     for turns, leg in enumerate(itertools.islice(legs, first, None), 1):
         if leg.length_m == 0 or np.linalg.norm(leg.velocity_m_s - velocity - turns * change) > SAME_SPEED * speed:
-            return 0
+            break
         if abs(leg.speeds_m_s[0] - speed) <= SAME_TURNED_SPEED * speed:
-            return turns
+            found = turns  # of the slightest turns, which all leave the speed as it is, the last counts
         if abs(leg.duration_s - apart_s) > SAME_SPEED * apart_s:
-            return 0
-    return 0
+            break
+    return found
