@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 from tests.driven_with_mass import begun_at, rounded
 
 from rota.driven_route import trajectory_of
+from rota.passed_stops import passed_stops, without_slight
 from rota.plan import Trajectory
 from rota.route import Route, route_of
 
@@ -142,7 +144,28 @@ def test_the_slightest_corner_is_one_corner() -> None:
     # by less than a hundredth of a degree, in two turns that leave the speed as it is but for its last digits
     corners = np.array([[0.0, 0.0], [1000.0, 0.0], [2000.0, 0.08], [1000.0, 800.0]])
     slight = rounded(corners, np.array([0.0, 6.0, 0.0, 0.0]), np.zeros(4), top=TOP, a=0.05, least_tangents=2)
-    np.testing.assert_allclose(places(route_of(slight, 30), 2), np.roll(corners, -1, axis=0), atol=NEAR_M)
+    _, a_round = passed_stops(slight)
+    np.testing.assert_allclose([stop.place_m for stop in a_round], np.vstack([corners, corners[:1]]), atol=NEAR_M)
+    # and no stop of a route
+    found = route_of(slight, 30).every_round
+    np.testing.assert_allclose([stop.place_m[:2] for stop in found], corners[[2, 3, 0]], atol=NEAR_M)
+    assert sum(stop.planned_s or 0.0 for stop in found) == pytest.approx(slight.loop_duration_s)
+    assert found[0].speed_m_s == pytest.approx(TOP)
+
+
+def test_a_bow_of_slight_corners_keeps_as_many_as_hold_it_within_the_limit() -> None:
+    # corners 17.9 m apart on a circle of 500 m: a chord past one is off it by c^2 / 8 r = 0.32 m, past two by 0.72 m
+    angles = np.linspace(0, 0.25, 8)
+    bow = 500 * np.column_stack([np.sin(angles), 1 - np.cos(angles)])
+    corners = np.vstack([bow, [[60.0, 300.0]]])
+    speeds = np.array([0.0, *np.full(6, 3.0), 0.0, 0.0])
+    _, a_round = passed_stops(rounded(corners, speeds, np.zeros(9), top=TOP, a=A))
+    assert len(a_round) == 10
+    for within_m, kept in ((0.3, 10), (0.4, 7), (0.8, 6), (5.0, 4)):
+        fewer = without_slight(a_round, within_m)
+        assert len(fewer) == kept
+        line = shapely.LineString([stop.place_m for stop in fewer])
+        assert max(line.distance(shapely.Point(stop.place_m)) for stop in a_round) <= within_m
 
 
 def test_what_is_no_parabola_keeps_its_points() -> None:

@@ -29,14 +29,16 @@ SAME_TURNED_SPEED = 1e-8  # and those before and after a corner, which the fewes
 class PassedStop:
     """A place (d,) in metres that the robot comes to, or the corner that it cuts, and when.
 
-    reached_s and left_s are equal where it does not wait. top_speed_m_s: the greatest speed on the way there; 0 at the
-    beginning. curve_m: how far before the corner the curve past it begins, and after it ends; 0: there is none.
+    reached_s and left_s are equal where it does not wait. rests: whether it comes to rest there. top_speed_m_s: the
+    greatest speed on the way there; 0 at the beginning. curve_m: how far before the corner the curve past it begins,
+    and after it ends; 0: it is given as a mere point.
     """
 
     place_m: Floats
     reached_s: float
     left_s: float
     top_speed_m_s: float
+    rests: bool = True
     curve_m: float = 0.0
 
 
@@ -112,6 +114,36 @@ def passed_stops(trajectory: Trajectory) -> tuple[list[PassedStop], list[PassedS
     return before, [*a_round, returned]
 
 
+def without_slight(stops: list[PassedStop], within_m: float) -> list[PassedStop]:
+    """The stops without corners that are cut and hardly bend: none is farther than so from the way without them.
+
+    The first and the last stay. Autopilots slow down at every point, wherever the way goes from there.
+    """
+    kept = stops[:1]
+    first = 0
+    for j in range(2, len(stops) + 1):
+        between = stops[first + 1 : j]
+        if j < len(stops) and _nearly_straight(stops[first].place_m, between, stops[j].place_m, within_m):
+            continue
+        top_m_s = max(stop.top_speed_m_s for stop in between)
+        kept.append(replace(stops[j - 1], top_speed_m_s=top_m_s))
+        first = j - 1
+    return kept
+
+
+def _nearly_straight(begin_m: Floats, between: list[PassedStop], end_m: Floats, within_m: float) -> bool:
+    """Whether all of these are corners that are cut, so near to the straight way, and one after the other along it."""
+    way_m = end_m - begin_m
+    length_m = float(np.linalg.norm(way_m))
+    if length_m == 0 or any(stop.rests for stop in between):
+        return False
+    steps_m = np.array([stop.place_m for stop in between]) - begin_m
+    along_m = steps_m @ way_m / length_m
+    off_m = np.linalg.norm(steps_m - along_m[:, None] * way_m / length_m, axis=1)
+    rising = (np.diff(np.concatenate([[0.0], along_m, [length_m]])) > 0).all()
+    return bool(rising and (off_m <= within_m).all())
+
+
 def _legs(trajectory: Trajectory, order: np.ndarray, later_s: Floats) -> Iterator[_Leg]:
     """The legs between the points of these numbers; what goes straight on at one acceleration is one leg."""
     times_s = trajectory.times_s[order] + later_s
@@ -180,7 +212,9 @@ def _stops(legs: list[_Leg], begin_m: Floats) -> Iterator[PassedStop]:
             half_s = (turns - 1) * apart_s / 2  # from the first turn to the corner
             corner_m, passed_s = after.begin_m + velocity * half_s, after.begin_s + half_s
             curve_m = speed * (half_s + apart_s / 2)
-            yield PassedStop(place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=top, curve_m=curve_m)
+            yield PassedStop(
+                place_m=corner_m, reached_s=passed_s, left_s=passed_s, top_speed_m_s=top, rests=False, curve_m=curve_m
+            )
             i, top = i + max(turns - 1, 0), 0.0
     if legs and legs[-1].length_m > 0:
         yield PassedStop(place_m=legs[-1].end_m, reached_s=legs[-1].end_s, left_s=legs[-1].end_s, top_speed_m_s=top)

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rota.constant_speeds import at_constant_speeds
-from rota.passed_stops import PassedStop, passed_stops
+from rota.passed_stops import PassedStop, passed_stops, without_slight
 from rota.plan import Trajectory
 
+SLIGHT_M = 0.05  # corners that bend the way by less are no stops
 ROUNDING_S = 1e-6  # by which times of different rounds may differ
 Place3 = tuple[float, float, float]
 Ring = tuple[tuple[float, float], ...]
@@ -101,8 +102,8 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
 
     Pauses become waits. Stops without a wait are left out where another stands for the same place: the start at the
     approach's beginning, the loop's first stop at the approach's end. Corners that are cut are stops where their
-    straight ways meet, each with the greatest speed on the way there; where the loop begins in the midst of a way, the
-    stops of the loop begin with the next corner.
+    straight ways meet, each with the greatest speed on the way there; those that bend the way by less than 5 cm are
+    none. Where the loop begins in the midst of a way, its stops begin with the next corner.
     """
     if trajectory.accelerations_m_s2 is not None:
         return _route_past_corners(trajectory, altitude_m)
@@ -143,7 +144,7 @@ def _route_past_corners(trajectory: Trajectory, altitude_m: float) -> Route:
             )
         return stops
 
-    before, a_round = passed_stops(trajectory)
+    before, a_round = (without_slight(stops, SLIGHT_M) for stops in passed_stops(trajectory))
     approach = stops_of(before)
     x, y = trajectory.positions_m[0, :2].tolist()
     route = Route(
