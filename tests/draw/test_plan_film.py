@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 import shapely
 from PIL import Image
+from tests.files.with_mass import with_mass
 
 from rota.draw import animate_plan
 from rota.draw.film_frames import FilmFrames
 from rota.draw.plan_film import film_times_s
+from rota.draw.routes import positions_at
 from rota.errors import RotaError
 from rota.plan import Plan, Trajectory
 
@@ -160,3 +162,19 @@ def test_a_plan_that_only_stays_makes_a_film(yard: Plan, tmp_path: Path):
         animate_plan(replace(yard, trajectories=trajectories), tmp_path / "film.gif", fps=4)
         with Image.open(tmp_path / "film.gif") as film:
             assert film.n_frames == 4
+
+
+def test_robots_with_motion_are_drawn_where_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    plan, drawn = with_mass(), []
+
+    def drawing(self: FilmFrames, given: Plan, speedup: float) -> None:
+        drawn.append(given)
+        films(self, given, speedup)
+
+    films = FilmFrames.__init__
+    monkeypatch.setattr(FilmFrames, "__init__", drawing)
+    animate_plan(plan, tmp_path / "film.gif", seconds=0.3, fps=10)
+    times_s = np.linspace(0, 200, 4001)
+    (shown,) = drawn
+    off_m = positions_at(shown.trajectories[0], times_s) - plan.trajectories[0].at(times_s)
+    assert np.hypot(*off_m.T).max() < 0.05 + 1e-9
