@@ -211,6 +211,24 @@ def test_an_update_that_is_refused_is_told_while_it_is(port: int) -> None:
     with_agv(port, agv, fly, "wait_action=wait:duration", rate=4.0)
 
 
+def test_a_vehicle_that_has_forgotten_its_order_is_told(port: int) -> None:
+    agv = Agv("a")
+
+    async def fly(link: Any) -> None:
+        await send_and_start(link)
+        await until(lambda: len(agv.passed) > 5)
+        assert link.trouble == ""
+        agv.ways = Ways(deaf=True)
+        agv.order, agv.nodes, agv.edges = None, [], []
+        await asyncio.sleep(0.2)  # what it has said before is on its way
+        async with Client("127.0.0.1", port) as client:
+            await client.publish(agv.topic("state"), json.dumps(agv.state()))
+            await until(lambda: link.trouble != "")
+        assert link.trouble.startswith("robot a: it does not have its order any more")
+
+    with_agv(port, agv, fly, "wait_action=wait:duration")
+
+
 def test_a_vehicle_that_is_lost_and_one_that_fails_are_told(port: int) -> None:
     agv = Agv("a", Ways(version="3.0.0"))
 

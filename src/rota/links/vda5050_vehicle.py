@@ -113,9 +113,12 @@ class Vda5050Vehicle:
         """That it is lost, cannot go on, or does not take what it is told, and what it reports; else empty."""
         if self.connection not in ("", "ONLINE"):
             return f"robot {self.robot}: the broker says that it is {self.connection}"
-        error = next((error for error in self.errors if error.is_fatal), None)
-        if error is None and self._order is not None and not self.has_order(self._order):
-            error = self.refusal("order", self._order)
+        error, order = next((error for error in self.errors if error.is_fatal), None), self._order
+        if error is None and order is not None and not self.has_order(order):
+            error = self.refusal("order", order)
+            has_another = self.state is not None and self.state.order_id != order["orderId"]
+            if error is None and has_another and self.begun_s is not None:
+                return f"robot {self.robot}: it does not have its order any more; it needs to be sent its route again"
         return f"robot {self.robot}: it reports {error.text()}" if error is not None else ""
 
     def take(self, state: VehicleState) -> None:
