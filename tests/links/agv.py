@@ -54,7 +54,10 @@ class Ways:
 
 @dataclass
 class Agv:
-    """A vehicle that passes a released node every ``STEP_S``; ``passed`` are the places of all of them."""
+    """A vehicle that passes a released node every ``STEP_S``; ``passed`` are the places of all of them.
+
+    told: the actions of all nodes that it has been given.
+    """
 
     serial: str
     ways: Ways = field(default_factory=Ways)
@@ -68,6 +71,7 @@ class Agv:
     paused: bool = False
     passed: list[tuple[float, float]] = field(default_factory=list)
     taken: list[str] = field(default_factory=list)
+    told: list[Json] = field(default_factory=list)
     waits_s: float = 0.0
     told_s: float = 0.0
     headers: int = 0
@@ -144,6 +148,7 @@ class Agv:
             self.pass_node(first)
         kept = news if self.ways.keeps is None else news[: self.ways.keeps]
         self.order = order
+        self.told += [action for node in news for action in node["actions"]]
         self.nodes += kept
         self.edges += order["edges"][: len(kept)]
         for node in order["nodes"]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,44 @@ def test_three_keep_their_phase_for_four_rounds_while_one_dies(
         assert max(map(abs, shift.late_s(name))) < 1.0
     assert shift.errors == []
     assert [text.split(":")[0] for text in shift.told] == ["c is lost"]
+
+
+@pytest.mark.slow  # four rounds of 28 s, five times as fast as the clock
+def test_they_make_up_what_a_lost_broker_has_cost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    require_node()
+    make_ready()
+    clock = FastTime(rate=5.0)
+    clock.let_links_have_it(monkeypatch)
+
+    async def drive(shift: Shift) -> None:
+        driving = Driving(shift.link, Watch(plan()), Keeping(plan(), {}), None, lambda notice: None)
+        await shift.start(clock)
+        await driving.drive(until_s=1.3 * ROUND_S, should_stop=lambda: False)
+        brokers.pop().close()
+        await asyncio.sleep(15.0)
+        assert "is lost" in shift.link.trouble
+        brokers.append(started())
+        await driving.drive(until_s=4.2 * ROUND_S, should_stop=lambda: False)
+        assert shift.link.trouble == ""
+
+    def started() -> ExitStack:
+        stack = ExitStack()
+        ports.append(stack.enter_context(broker(tmp_path, port=ports[0] if ports else None)))
+        return stack
+
+    ports: list[int] = []
+    brokers = [started()]
+    try:
+        shift = with_foreign(ports[0], clock, drive)
+    finally:
+        for stack in brokers:
+            stack.close()
+    for name in NAMES:
+        late_s = shift.late_s(name)
+        # 17 s after the broker was back; a round of 28 s leaves 10 s and more
+        assert max(late_s) > 10
+        assert abs(late_s[-1]) < 1.0
+    assert shift.errors == []
 
 
 def test_a_vehicle_of_a_version_that_is_not_spoken_is_told_so(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ class Vehicle:
 
 def late_s(pace: Pace, vehicle: Vehicle, rounds: int, *, seed: int = 0, with_waits: bool = False) -> list[float]:
     """How late a vehicle is at each stop of so many rounds."""
-    rng, window = random.Random(seed), Window(released=3, announced=3)
+    rng, window = random.Random(seed), Window(released=2, announced=3)
     pace.release(pace.span(window, with_waits=with_waits).released, ZERO_S - 5, with_waits=with_waits)
     pace.begin(ZERO_S)
     last, since_s, arrives_s, late, now_s = 0, ZERO_S, math.inf, [], ZERO_S
@@ -138,15 +138,31 @@ def test_a_vehicle_that_was_blocked_makes_it_up_and_is_not_taken_for_a_slow_one(
 def test_what_is_released_ends_where_vehicles_wait_and_lasts_for_some_time() -> None:
     window = Window(released=3, announced=2)
     pace = Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(0.0, 2.0, 0.0))), 1.0)
+    # one by one, until something is known of the vehicle
     first = pace.span(window, with_waits=False)
-    assert (first.first, first.released, first.last) == (0, 2, 4)
-    pace.release(2, 0.0, with_waits=False)
-    assert pace.span(window, with_waits=False).released == 5
-    # the stop of a wait that the vehicle does by itself is no end
-    assert Pace(pace.stops, 1.0).span(window, with_waits=True).released == 3
+    assert (first.first, first.released, first.last) == (0, 1, 3)
+    pace.release(1, 0.0, with_waits=False)
+    pace.begin(0.0)
+    for number in range(1, 5):
+        pace.release(number + 1, 10.0 * number, with_waits=False)
+        pace.heard(number, 10.0 * number)
+    assert pace.end == 5
+    assert pace.span(window, with_waits=False).released == 6  # where it waits
+    assert pace.span(window, with_waits=True).released == 8
     quick = Pace(NumberedStops(route(speed_m_s=50.0, holds_s=(0.0, 0.0, 0.0))), 50.0)
     assert quick.arrives_s(quick.span(window, with_waits=False).released) < AHEAD_S
     assert quick.span(window, with_waits=False).released == 4  # a round, more is never in a message
+
+
+def test_a_vehicle_that_is_early_waits_for_what_comes_next() -> None:
+    window = Window(released=1, announced=0)
+    pace = Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(0.0, 0.0, 0.0))), 1.0)
+    pace.release(1, 0.0, with_waits=False)
+    pace.begin(0.0)
+    pace.heard(1, 7.0)
+    assert not pace.is_due(1, window, 7.0)
+    assert not pace.is_due(1, window, 9.0)
+    assert pace.is_due(1, window, 10.0)
 
 
 def test_leg_times_are_learned_as_they_are() -> None:

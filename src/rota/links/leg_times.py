@@ -31,9 +31,13 @@ class Leg:
 
 
 class LegTimes:
-    """A linear model of a vehicle's legs, fitted to each by a Kalman filter (Kalman 1960) whose weights may move."""
+    """A linear model of a vehicle's legs, fitted to each by a Kalman filter (Kalman 1960) whose weights may move.
+
+    learned: how many legs it has learned from.
+    """
 
     def __init__(self) -> None:
+        self.learned = 0
         self._weights = EXPECTED.copy()
         self._covariance = np.diag(UNSURE**2)
 
@@ -46,6 +50,11 @@ class LegTimes:
         """How long a stop costs by itself."""
         return float(self._weights[0])
 
+    @property
+    def turn_share(self) -> float:
+        """In which share of the planned time it turns."""
+        return float(self._weights[1])
+
     def drive_s(self, left_s: float, turn_s: float, waits: bool) -> float:
         """The told driving time with which a leg takes ``left_s`` in all; below 0 where there is none."""
         rest_s = left_s - float(self._weights @ Leg(turn_s=turn_s, drive_s=0.0, waits=waits).parts)
@@ -57,6 +66,7 @@ class LegTimes:
         off_s = took_s - float(self._weights @ parts)
         if abs(off_s) > BLOCKED_S * len(legs):
             return
+        self.learned += len(legs)
         self._covariance = self._covariance + len(legs) * np.diag(CHANGES**2)
         spread = self._covariance @ parts
         gain = spread / (parts @ spread + len(legs) * NOISE_S**2)

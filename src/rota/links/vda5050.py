@@ -80,7 +80,9 @@ class Vda5050Link(RealTimeLink):
         for trajectory in plan:
             name = trajectory.robot
             self._vehicles[name] = Vda5050Vehicle(
-                identity=Vehicle(serial_number=name, manufacturer=settings.manufacturer, map_id=settings.map_id),
+                identity=Vehicle(
+                    serial_number=name, manufacturer=settings.manufacturer, map_id=settings.map_id, wait=None
+                ),
                 planned=self._stops(route_of(trajectory, fleet.altitude_m)),
                 top_speed_m_s=self._robots[name].speed_m_s,
                 window=Window(released=settings.released, announced=settings.announced),
@@ -167,8 +169,12 @@ class Vda5050Link(RealTimeLink):
         connection = connection_of(read) if name == "connection" else ""
         if connection in ("OFFLINE", *LOST) and vehicle.level not in ("", level):
             return  # what the broker has kept of the version that it spoke before
+        if name == "state" and vehicle.connection in LOST:
+            connection = "ONLINE"  # it is back, and need not say so where not it but its broker was lost
         if connection:
             await self._connected(vehicle, connection)
+        if name == "connection":
+            pass
         elif protocol is None:
             raise Malformed(f"version {version:.25} is not spoken; {SPOKEN} are")
         elif name == "factsheet":
@@ -249,7 +255,8 @@ class Vda5050Link(RealTimeLink):
     async def send_route(self, route: Route) -> None:
         """Pause the vehicle and give it the order."""
         vehicle, stops = self._vehicle(route.robot), self._stops(route)
-        if any(stop.wait_s > 0 for stop in (*stops.once, *stops.every_round)):
+        # where it turns faster than planned, it waits for what is left
+        if any(stop.hold_s > 0 for stop in (*stops.once, *stops.every_round)):
             vehicle.identity = replace(vehicle.identity, wait=await self._way_to_wait(vehicle))
         await self._talk.act(vehicle, "startPause", lambda state: state.paused)
         await self._order(vehicle, stops)

@@ -37,7 +37,7 @@ class Vda5050Settings(Settings):
     interface: str = setting("uagv", "first level of all topics")
     manufacturer: str = setting("rota", "third level of all topics; the fourth is the robot's name")
     map_id: str = setting("map", "the map that the vehicles drive on")
-    released: int = setting(3, "stops that are released to a vehicle at once", least=2, most=10_000)
+    released: int = setting(2, "stops that are released to a vehicle at once", least=1, most=10_000)
     announced: int = setting(5, "stops beyond them that it is told of", least=0, most=10_000)
     wait_action: str = setting(
         "",

@@ -14,6 +14,8 @@ from rota.links.leg_times import Leg, LegTimes
 from rota.route import RouteStop
 
 SLOWEST = 0.5  # of the planned speed: what a vehicle that is early is slowed down to
+EARLY_S = 0.5  # by which it may be early, beyond what slower legs leave of that
+KNOWN = 4  # legs, from which on it is known somewhat how it drives: until then stops are released one by one
 AHEAD_S = 6.0  # a vehicle has stops for so long ahead of it, however short its legs are
 LEAST_DRIVE_S = 1e-3
 
@@ -73,15 +75,20 @@ class Pace:
         return self._once_s[-1] + rounds * self._round_s[-1] + self._round_s[part]
 
     def waits(self, number: int) -> bool:
-        """Whether the vehicle waits there by plan."""
-        return self.stops.stop(number).wait_s > 0
+        """Whether the vehicle is to wait there: by plan, or for what it does not need of the time to turn there."""
+        return self.stops.stop(number).wait_s > 0 or self._wait_s(number) > EARLY_S
+
+    def _wait_s(self, number: int) -> float:
+        """How long it stands there if it came in time, before it turns in the time that it takes."""
+        stop = self.stops.stop(number)
+        return stop.wait_s + max(1 - self._times.turn_share, 0.0) * stop.turn_s
 
     def goes_on_s(self, number: int) -> float:
         """The moment at which it is to be let go on from a stop, before it turns. Never before the start."""
         if self.zero_s is None:
             return math.inf
         lost_s = max(self._times.stop_s, 0.0)
-        return self.zero_s + self.arrives_s(number) + self.stops.stop(number).wait_s - lost_s
+        return self.zero_s + self.arrives_s(number) + self._wait_s(number) - lost_s
 
     def room_s(self) -> float:
         """What a round leaves to be made up: its waits, and its legs at top speed, as it is expected to drive them."""
@@ -145,7 +152,7 @@ class Pace:
         """
         stops, first = self.stops, self.end
         farthest = stops.last_within(first, first + len(stops.every_round))
-        end = stops.last_within(first, first + window.released)
+        end = stops.last_within(first, first + (window.released if self._times.learned >= KNOWN else 1))
         while end < farthest and self.arrives_s(end) - self.arrives_s(first) < AHEAD_S:
             end += 1
         if first == 0 and self.zero_s is None and self.waits(0):
@@ -157,9 +164,10 @@ class Pace:
         return Span(first=first, released=end, last=stops.last_within(first, end + window.announced))
 
     def is_due(self, last: int, window: Window, now_s: float) -> bool:
-        """Whether more is to be released to a vehicle that was last at a stop: it needs it, and has waited long enough.
+        """Whether more is to be released to a vehicle that was last at a stop: it needs it, and it is time for it.
 
-        It needs more with half of what a message releases ahead of it, or little time.
+        It needs more with half of what a message releases ahead of it, or little time. One that will be early waits
+        where what is released ends.
         """
         end = self.end
         if not self.stops.every_round and end >= self.stops.arrived:
@@ -167,7 +175,8 @@ class Pace:
         has_enough = end - last > max(1, window.released // 2)
         if has_enough and self.arrives_s(end) - self.arrives_s(last) > AHEAD_S / 2:
             return False
-        return not self.waits(end) or now_s >= self.goes_on_s(end)
+        is_early = self.zero_s is not None and self._expected_s(end) < self.goes_on_s(end) - EARLY_S
+        return not (self.waits(end) or is_early) or now_s >= self.goes_on_s(end)
 
     def release(self, last: int, now_s: float, *, with_waits: bool) -> None:
         """Decide on the stops that follow those that are released, up to ``last``.
@@ -183,7 +192,7 @@ class Pace:
             speed_m_s = self._speed_m_s(number, leaves_s, waits)
             at_s = leaves_s + self._times.expected_s(self._leg(number, speed_m_s, waits=waits))
             wait_s = 0.0
-            if with_waits and number < last and stop.wait_s > 0:
+            if with_waits and number < last and self.waits(number):
                 wait_s = max(self.goes_on_s(number) - at_s, 0.0) if self.zero_s is not None else stop.wait_s
             self._told[number] = replace(stop, speed_m_s=speed_m_s, hold_s=wait_s, turn_s=0.0)
 

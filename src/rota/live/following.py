@@ -56,6 +56,8 @@ class Following:
         judged, fell_s = robots[due], self.lags_s[robots[due]] - self._lags_then_s[robots[due]]
         # one that falls behind by more than the time that passes was somewhere else than was thought
         stands = (fell_s > HELD_UP * passed_s[due]) & (fell_s < MOST_HELD_UP * passed_s[due])
+        # and one that was ahead of its plan may have waited for it
+        stands &= self.lags_s[judged] > HELD_UP * LOOKED_AT_S
         self.held_up[judged] = stands & on[due]
         self._since_s[judged], self._lags_then_s[judged] = times_s[due], self.lags_s[judged]
 
