@@ -74,6 +74,34 @@ def test_what_vda5050_cannot_say_is_refused_before_anything_is_written(tmp_path:
     assert not (tmp_path / "orders").exists()
 
 
+def test_vehicles_of_another_version_wait_by_an_action_of_theirs(tmp_path: Path) -> None:
+    settings = OrderSettings(version="3.0.0", wait_action="noop:seconds")
+    looping, _ = lines_of(two_robots(robots=("a", "b")), tmp_path, settings)
+    assert {message["version"] for message in looping} == {"3.0.0"}
+    actions = {
+        (action["actionType"], action["actionParameters"][0]["key"])
+        for message in looping
+        for node in message["nodes"]
+        for action in node["actions"]
+    }
+    assert actions == {("noop", "seconds")}
+    assert all("maximumSpeed" in edge and "maxSpeed" not in edge for message in looping for edge in message["edges"])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"version": "1.1.0"}, r"--set\.version: '1\.1\.0' is not allowed; 2\.0, 2\.1 and 3\.0 are spoken"),
+        ({"version": ""}, r"--set\.version: '' is not allowed"),
+        ({"wait_action": "wait:"}, r"--set\.wait_action: 'wait:' is not allowed; NAME:PARAMETER is needed"),
+        ({"wait_action": "waitForTrigger"}, r"'waitForTrigger' waits for a trigger, which nobody gives to orders"),
+    ],
+)
+def test_versions_and_actions_that_orders_cannot_have_are_refused(given: dict[str, str], message: str) -> None:
+    with pytest.raises(PlanError, match=message):
+        OrderSettings(**given)  # type: ignore[arg-type]
+
+
 def test_long_loops_are_released_a_part_at_a_time(tmp_path: Path) -> None:
     count = 240
     places = [[x, 0] for x in range(count)] + [[count - x, 0] for x in range(count + 1)]

@@ -131,6 +131,20 @@ def test_a_robot_that_stands_is_held_up_and_not_counted_on() -> None:
     assert watch.state().robots[1].lag_s == pytest.approx(35.0, abs=0.5)
 
 
+def test_a_robot_that_was_ahead_of_its_plan_and_waits_for_it_is_not_held_up() -> None:
+    plan = two_robots()
+    watch = watched(plan)
+    events = []
+    for event in driven(plan, 30.0):
+        if isinstance(event, Heard) and event.robot == 0:
+            # it drives at 7 m/s to where it waits from 10 s on, until it is to be there at 14 s
+            waits = 70.0 if event.time_s <= 14.0 else event.x_m
+            events.append(event._replace(x_m=min(7.0 * event.time_s, waits)))
+        else:
+            events.append(event)
+    assert [notice.kind for notice in told(watch, events)] == []
+
+
 def test_a_robot_beside_its_route_is_told_once_and_when_it_is_back() -> None:
     plan = two_robots()
     watch = watched(plan)
