@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,14 +30,48 @@ def _frozen(values: object) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Waypoints:
+    """What an autopilot that cuts corners by itself is told of a loop, instead of its legs.
+
+    places_m: (k, 2), k >= 2; the robot begins at the first, and goes round them for ever. times_s: (k + 1,) rising,
+    when it leaves the first and when it is nearest to each of the others and to the first again. speed_m_s: what it is
+    told for every leg. Raises PlanError for other shapes, numbers that are not finite and a speed that is not above 0.
+    """
+
+    places_m: Floats
+    times_s: Floats
+    speed_m_s: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "places_m", _frozen(self.places_m))
+        object.__setattr__(self, "times_s", _frozen(self.times_s))
+        places, times = self.places_m, self.times_s
+        if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or times.shape != (len(places) + 1,):
+            raise PlanError(f"waypoints: places {places.shape}, times {times.shape}; (k, 2) and (k + 1,) with k >= 2")
+        if not (
+            np.isfinite(places).all() and np.isfinite(times).all() and times[0] >= 0 and (np.diff(times) > 0).all()
+        ):
+            raise PlanError("waypoints: places must be finite, times 0 or more and rising")
+        if not 0 < self.speed_m_s < math.inf:
+            raise PlanError(f"waypoints: speed_m_s = {self.speed_m_s}; must be greater than 0")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Waypoints):
+            return NotImplemented
+        same = np.array_equal(self.places_m, other.places_m) and np.array_equal(self.times_s, other.times_s)
+        return same and self.speed_m_s == other.speed_m_s
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory:
     """Timed points of one robot: straight legs, each at a constant acceleration, then the loop for ever.
 
     times_s: (n,) seconds, from 0, strictly increasing; n >= 1. positions_m: (n, 2) or (n, 3) metres. headings_rad: (n,)
     or None (the direction of motion). accelerations_m_s2: (n - 1,) along each leg, or None: all legs are driven at
     constant speeds. A leg of length L in the time T with the acceleration a begins at the speed L / T - a T / 2 and
-    ends at L / T + a T / 2; neither is below 0. ``loop_start_s`` is one of the times: equal to the last, the robot
-    stays where it is; otherwise the position then equals the last position exactly and the robot repeats from there.
+    ends at L / T + a T / 2; neither is below 0. waypoints: what its autopilot is told; None: the legs themselves.
+    ``loop_start_s`` is one of the times: equal to the last, the robot stays where it is; otherwise the position then
+    equals the last position exactly and the robot repeats from there.
 
     Raises PlanError for all else, for values that are not finite, times beyond 1e10 s and loops of less than 1e-6 s.
     """
@@ -46,6 +81,7 @@ class Trajectory:
     positions_m: Floats
     headings_rad: Floats | None = None
     accelerations_m_s2: Floats | None = None
+    waypoints: Waypoints | None = None
     loop_start_s: float = 0.0
 
     def __post_init__(self) -> None:
@@ -165,6 +201,7 @@ class Trajectory:
             and np.array_equal(self.positions_m, other.positions_m)
             and same_headings
             and np.array_equal(self.bends, other.bends)
+            and self.waypoints == other.waypoints
         )
 
     @property

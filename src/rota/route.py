@@ -13,7 +13,7 @@ import numpy as np
 
 from rota.constant_speeds import at_constant_speeds
 from rota.passed_stops import PassedStop, passed_stops, without_slight
-from rota.plan import Trajectory
+from rota.plan import Trajectory, Waypoints
 
 SLIGHT_M = 0.05  # corners that bend the way by less are no stops
 ROUNDING_S = 1e-6  # by which times of different rounds may differ
@@ -105,6 +105,8 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
     straight ways meet, each with the greatest speed on the way there; those that bend the way by less than 5 cm are
     none. Where the loop begins in the midst of a way, its stops begin with the next corner.
     """
+    if trajectory.waypoints is not None:
+        return _route_by_waypoints(trajectory, trajectory.waypoints, altitude_m)
     if trajectory.accelerations_m_s2 is not None:
         return _route_past_corners(trajectory, altitude_m)
     k = trajectory.loop_index
@@ -124,6 +126,24 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
         approach=tuple(approach),
         loop=tuple(loop),
         closing=closing,
+    )
+
+
+def _route_by_waypoints(trajectory: Trajectory, told: Waypoints, altitude_m: float) -> Route:
+    """The route of a robot whose autopilot cuts corners by itself: a wait at the first corner, then round them all."""
+    places = [(x, y, altitude_m) for x, y in told.places_m.tolist()]
+    leaves_s, again_s = float(told.times_s[0]), float(told.times_s[1]) + trajectory.loop_duration_s
+    once = [
+        RouteStop(place_m=place, speed_m_s=told.speed_m_s, planned_s=planned_s)
+        for place, planned_s in zip([*places[1:], places[0]], np.diff(told.times_s).tolist(), strict=True)
+    ]
+    return Route(
+        robot=trajectory.robot,
+        start_m=places[0],
+        approach=(RouteStop(place_m=places[0], speed_m_s=None, hold_s=leaves_s),) if leaves_s > 0 else (),
+        loop=tuple(once),
+        closing=replace(once[0], planned_s=again_s - float(told.times_s[-1])),
+        planned=at_constant_speeds(trajectory),
     )
 
 

@@ -40,7 +40,6 @@ def test_an_arducopter_has_what_its_firmware_has_by_default(tmp_path: Path) -> N
         vehicle="arducopter",
         acceleration_m_s2=2.5,
         corner_acceleration_m_s2=5,
-        jerk_m_s3=1,
         corner_m=2,
         climb_m_s=2.5,
         descend_m_s=1.5,
@@ -82,7 +81,7 @@ def test_robots_have_what_the_fleet_has_unless_they_say_otherwise(tmp_path: Path
     fleet = read(tmp_path, vehicle="arducopter", wind_m_s=2, robots=robots)
     like, soft, other, free = fleet.robots or ()
     assert (like.motion, like.speed_m_s) == (fleet.motion, 8)
-    assert (soft.motion.acceleration_m_s2, soft.motion.jerk_m_s3, soft.speed_m_s) == (1, 1, 3)
+    assert (soft.motion.acceleration_m_s2, soft.motion.jerk_m_s3, soft.speed_m_s) == (1, None, 3)
     assert soft.motion.vehicle == "arducopter"
     px4 = MotionLimits(
         vehicle="px4", acceleration_m_s2=3, jerk_m_s3=4, corner_m=2, climb_m_s=3, descend_m_s=1.5, wind_m_s=2

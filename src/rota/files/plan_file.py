@@ -17,7 +17,7 @@ from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
 from rota.files.plan_schema import PLAN_VERSION, RunEndFields, TrajectoryFields, plan_fields_type
-from rota.plan import Plan, RunEnd, Trajectory
+from rota.plan import Plan, RunEnd, Trajectory, Waypoints
 
 Json = dict[str, Any]
 MADE_BY = "'rota plan' writes one"
@@ -84,7 +84,13 @@ def _trajectory_to_json(trajectory: Trajectory) -> Json:
         "positions_m": trajectory.positions_m.tolist(),
         "headings_rad": None if headings is None else headings.tolist(),
         **({} if accelerations is None else {"accelerations_m_s2": accelerations.tolist()}),
+        **({} if trajectory.waypoints is None else {"waypoints": _waypoints_json(trajectory.waypoints)}),
     }
+
+
+def _waypoints_json(told: Waypoints) -> Json:
+    """What an autopilot is told."""
+    return {"places_m": told.places_m.tolist(), "times_s": told.times_s.tolist(), "speed_m_s": told.speed_m_s}
 
 
 # ---------------------------------------------------------------- reading
@@ -186,5 +192,6 @@ def _trajectory(fields: TrajectoryFields, field: str) -> Trajectory:
             positions_m=np.array(fields.positions_m, dtype=np.float64),
             headings_rad=None if fields.headings_rad is None else np.array(fields.headings_rad, dtype=np.float64),
             accelerations_m_s2=None if accelerations is None else np.array(accelerations, dtype=np.float64),
+            waypoints=None if fields.waypoints is None else Waypoints(**dict(fields.waypoints)),
             loop_start_s=fields.loop_start_s,
         )

@@ -201,6 +201,16 @@ class MissionFields(_Strict):
         return self
 
 
+class WaypointsFields(_Strict):
+    """What an autopilot that cuts corners by itself is told of a loop, instead of its legs."""
+
+    places_m: Annotated[list[Point], Field(min_length=2, description="the robot begins at the first")]
+    times_s: Annotated[
+        list[Time], Field(min_length=3, description="left at the first, nearest to the others, then to it")
+    ]
+    speed_m_s: Annotated[Positive, Field(description="told for every leg")]
+
+
 class TrajectoryFields(_Strict):
     """One robot's timed points: straight legs, each at a constant acceleration, repeated from ``loop_start_s`` on."""
 
@@ -209,6 +219,7 @@ class TrajectoryFields(_Strict):
     times_s: Annotated[list[Time], Field(min_length=1)]
     positions_m: Annotated[list[Position], Field(min_length=1)]
     headings_rad: list[float] | None
+    waypoints: WaypointsFields | None = None
     accelerations_m_s2: Annotated[
         list[float] | None, Field(description="along each leg; absent: all legs are driven at constant speeds")
     ] = None

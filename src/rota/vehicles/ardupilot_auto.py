@@ -10,6 +10,7 @@ import numpy as np
 from rota.errors import RotaError
 from rota.plan import Floats
 from rota.route import RouteStop
+from rota.vehicles.blend_kernels import round_of
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.kernels import GRAVITY_M_S2, Air, Control, Course, fly
 from rota.vehicles.motion import Motion, Way, Wind
@@ -87,8 +88,26 @@ class ArduPilotAuto:
         if n < 2:
             return np.empty(0)
         waits_s = np.append(course.waits_s[n], course.waits_s[1:n])
-        lag = float(np.interp(self.lean_deg, LAG_AT_DEG, LAG_S3_M2))
-        return np.asarray(round_times(course.points_m[: n + 1], waits_s, course.legs[:n], lag, self._shape))
+        return np.asarray(round_times(course.points_m[: n + 1], waits_s, course.legs[:n], *self.closed_form[1:]))
+
+    def round_times_s(self, vertices_m: Floats, speed_m_s: float) -> Floats:
+        """Seconds (n,) of each leg of a round of a closed polyline (n, 2), n > 1, at one height and without waits."""
+        return np.asarray(round_of(vertices_m, speed_m_s, *self.closed_form))
+
+    @property
+    def closed_form(self) -> tuple[Floats, float, Shape]:
+        """What kernels are told of it: the most acceleration over the ground and of the height, lag, and shape."""
+        return self._limits, float(np.interp(self.lean_deg, LAG_AT_DEG, LAG_S3_M2)), self._shape
+
+    @property
+    def most_m_s2(self) -> float:
+        """The most acceleration along a leg; at corners it is twice as much."""
+        return float(self._limits[0])
+
+    @property
+    def jerk_m_s3(self) -> float:
+        """The jerk with which acceleration builds up, in the mean."""
+        return self._shape.jerk_m_s3
 
     def _course(self, way: Way, rounds: int) -> tuple[Course, list[int]]:
         """So many rounds of the way, one after the other, and the numbers of the points where rounds begin and end.

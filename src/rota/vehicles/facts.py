@@ -48,6 +48,10 @@ class Vehicle:
     most_fence_points: Fact | None = None
 
     def preset(self, names: Iterable[str]) -> dict[str, float]:
-        """The values of those of these facts that are known, by their names."""
-        facts = {name: getattr(self, name, None) for name in names}
+        """The values of those of these facts that are known, by their names.
+
+        A vehicle whose motion is modelled has no jerk there: its firmware's is the mean of a raised cosine, which has
+        up to pi / 2 times as much, and where legs blend both add up.
+        """
+        facts = {name: getattr(self, name, None) for name in names if name != "jerk_m_s3" or not self.formats}
         return {name: fact.value for name, fact in facts.items() if isinstance(fact, Fact)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rota.errors import RotaError
+from rota.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
 
 _COPTER_4_6 = "ArduCopter 4.6, default"  # AC_WPNav.cpp, ArduCopter/config.h and ardupilot.org/copter/docs/parameters
@@ -112,3 +113,18 @@ def vehicle_named(name: str, where: str = "--vehicle") -> Vehicle:
     if name not in VEHICLES:
         raise RotaError(f"{where}: {name!r} is not one of {', '.join(map(repr, VEHICLES))}")
     return VEHICLES[name]
+
+
+def vehicle_within(motion: MotionLimits) -> Vehicle:
+    """The vehicle whose presets these limits are, with the values that they give otherwise."""
+    assert motion.vehicle is not None, "limits of no vehicle"
+    vehicle = vehicle_named(motion.vehicle, "vehicle")
+    given = {name: value for name, value in motion.told.items() if name != "vehicle"}
+    return replace(
+        vehicle,
+        **{
+            name: replace(fact, value=value, source="as the mission gives it")
+            for name, value in given.items()
+            if (fact := getattr(vehicle, name, None)) is not None and fact.value != value
+        },
+    )

@@ -13,12 +13,11 @@ from shapely import LineString
 
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, thinned
-from rota.planners.patrol.driving.timed_line import steady
+from rota.planners.patrol.driving.timed_line import started_at, steady
 from rota.planners.patrol.tours.timetable import (
     as_trajectories,
     evenly_spaced,
     loop_timetable,
-    started_at,
     stretched,
 )
 from rota.planners.patrol.tours.tour import Tour, tour_length_m

@@ -34,11 +34,6 @@ class AtOnce:
         turn_m = ARC_SHARE * radius_m if rate is None else robot.speed_m_s / rate
         self.corner_costs = CornerCosts(turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0)
 
-    @property
-    def quarter_turn_m(self) -> float:
-        """What a right angle costs; see ``Driving``."""
-        return math.pi / 2 * self.corner_costs.turn_m
-
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
         legs = np.diff(np.vstack([vertices_m, vertices_m[:1]]), axis=0)
@@ -46,6 +41,11 @@ class AtOnce:
         turns = turns_rad(vertices_m)
         turning_m = self.corner_costs.turn_m * float(turns.sum())
         return float(lengths.sum()) + turning_m + spool_m(lengths, turns, self.robot.turn_radius_m)
+
+    def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """The polyline itself; see ``Driving``."""
+        legs = np.arange(len(vertices_m))
+        return np.vstack([vertices_m, vertices_m[:1]]), np.column_stack([legs, legs + 1]).astype(np.float64)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""

@@ -2,12 +2,41 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.mission import Robot
+
 Floats = NDArray[np.float64]
+
+LANES = 4  # that stand for many
+LANE_REACHES = 10.0  # the lanes whose metres cost a metre each
+LONGEST_REACHES = 6.5  # the longest leg of a table: a little more than a search has
+
+
+class Timing(Protocol):
+    """What takes rounds into metres at a pace."""
+
+    robot: Robot
+    pace_m_s: float
+
+    def round_m(self, vertices_m: Floats) -> float:
+        """Metres of one round of a closed polyline (n, 2)."""
+        ...
+
+
+def pace_on_lanes(timing: Timing) -> float:
+    """The speed of a robot on lanes of ten reaches, two reaches apart, with a right angle at either end of each."""
+    reach_m = timing.robot.sensor.reach_m
+    lane_m, swath_m = LANE_REACHES * reach_m, 2 * reach_m
+    ends = np.tile([[0.0, 0.0], [lane_m, 0.0], [lane_m, swath_m], [0.0, swath_m]], (LANES, 1))
+    ends[:, 1] += np.repeat(np.arange(LANES), 4) * 2 * swath_m
+    legs_m = np.hypot(*(np.roll(ends, -1, axis=0) - ends).T)
+    return timing.pace_m_s * float(legs_m.sum()) / timing.round_m(ends)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,6 +54,16 @@ class CornerCosts:
     table: Floats
     longest_m: float
     straight: float = 0.0
+
+    @property
+    def quarter_turn_m(self) -> float:
+        """What a right angle between long legs costs, beside what these are long."""
+        if not self.table.size:
+            return math.pi / 2 * self.turn_m
+        row = math.sqrt(0.5) * (len(self.table) - 1)
+        return 2 * float(
+            np.interp(row, np.arange(len(self.table)), self.table[:, -1] - self.straight * self.longest_m / 2)
+        )
 
     @property
     def are_free(self) -> bool:

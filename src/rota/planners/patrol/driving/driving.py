@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.planners.patrol.driving.at_once import AtOnce
+from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.corner_costs import CornerCosts
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine
+from rota.vehicles.models import MODELS
+from rota.vehicles.presets import vehicle_within
 
 Floats = NDArray[np.float64]
 
@@ -33,13 +36,15 @@ class Driving(Protocol):
     off_m: float
     blind_m: float
 
-    @property
-    def quarter_turn_m(self) -> float:
-        """Metres that a right angle between long legs adds."""
-        ...
-
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of one round of a closed polyline (n, 2), all that costs time included; 0 for one vertex."""
+        ...
+
+    def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """The way (m + 1, 2) of one round of a closed polyline (n, 2), and beside what each of its chords lies.
+
+        That is told (m, 2) in legs from the first vertex on, from where to where; a chord is beside one leg.
+        """
         ...
 
     def timed(self, vertices_m: Floats) -> TimedLine:
@@ -49,5 +54,9 @@ class Driving(Protocol):
 
 @functools.lru_cache(maxsize=64)
 def driving_of(robot: Robot) -> Driving:
-    """What a robot can do, by its limits."""
-    return Rounded(robot) if robot.motion.has_mass else AtOnce(robot)
+    """What a robot can do, by its limits; of a vehicle whose firmware is modelled, by that model."""
+    if not robot.motion.has_mass:
+        return AtOnce(robot)
+    if robot.motion.vehicle in MODELS:
+        return Auto(robot, MODELS[robot.motion.vehicle](vehicle_within(robot.motion)))
+    return Rounded(robot)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 SHORTEST_LEG_M = 1e-6  # shorter legs are left out: they would be timed to fewer digits than the check asks
 
@@ -22,11 +23,16 @@ def turns_rad(vertices_m: Floats) -> Floats:
 
 def without_repeats(vertices_m: Floats) -> Floats:
     """The closed polyline without vertices that repeat the one before; at least one vertex stays."""
+    return np.asarray(vertices_m[no_repeats(vertices_m)])
+
+
+def no_repeats(vertices_m: Floats) -> NDArray[np.bool_]:
+    """Which vertices (n,) of a closed polyline do not repeat the one before; one at least."""
     keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
     if not keep[0]:  # the first vertex stays what it is: it may be where a nest's tours meet
         keep[np.flatnonzero(keep)[-1:]] = False
         keep[0] = True
-    return np.asarray(vertices_m[keep])
+    return np.asarray(keep)
 
 
 def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
@@ -41,11 +47,16 @@ def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
 
 def timeable(vertices_m: Floats) -> Floats:
     """The closed polyline without repeats and without legs too short to be timed; the first vertex stays."""
-    vertices_m = without_repeats(vertices_m)
-    keep = far_enough(vertices_m)
-    while len(keep) > 1 and np.hypot(*(vertices_m[keep[-1]] - vertices_m[0])) < SHORTEST_LEG_M:
+    return np.asarray(vertices_m[timeable_kept(vertices_m)])
+
+
+def timeable_kept(vertices_m: Floats) -> Ints:
+    """The numbers of the vertices that stay when a closed polyline is made timeable."""
+    apart = np.flatnonzero(no_repeats(vertices_m))
+    keep = far_enough(vertices_m[apart])
+    while len(keep) > 1 and np.hypot(*(vertices_m[apart[keep[-1]]] - vertices_m[apart[0]])) < SHORTEST_LEG_M:
         keep.pop()
-    return vertices_m[keep]
+    return np.asarray(apart[keep], dtype=np.int64)
 
 
 def far_enough(points_m: Floats) -> list[int]:
@@ -59,6 +70,42 @@ def far_enough(points_m: Floats) -> list[int]:
 
 def thinned(vertices_m: Floats) -> Floats:
     """The closed polyline as it can be timed, without vertices along straights."""
-    vertices_m = timeable(vertices_m)
-    bends = turns_rad(vertices_m) > 1e-12
-    return vertices_m[bends] if bends.sum() >= 2 else vertices_m
+    return np.asarray(vertices_m[corners_kept(vertices_m)])
+
+
+def corners_kept(vertices_m: Floats) -> Ints:
+    """The numbers of the vertices that stay when a closed polyline is thinned."""
+    kept = timeable_kept(vertices_m)
+    bends = turns_rad(vertices_m[kept]) > 1e-12
+    return kept[bends] if bends.sum() >= 2 else kept
+
+
+def beside_legs(line_m: Floats, leg: Ints, vertices_m: Floats) -> tuple[Floats, Floats]:
+    """A line (m + 1, 2) cut so that each chord lies beside one leg of a closed polyline (n, 2), and beside what of it.
+
+    leg (m,): of the polyline without its vertices along straights, counted from the first that stays. Returns the line
+    (k + 1, 2) and, for each of its chords, from where to where it is beside the polyline, (k, 2) in legs. A part of a
+    chord before its leg or beyond it counts as beside the leg's end.
+    """
+    corners, n = corners_kept(vertices_m), len(vertices_m)
+    first = corners[leg % len(corners)]
+    begin_m = vertices_m[first]
+    along_m = vertices_m[np.append(corners, corners[0])[leg % len(corners) + 1]] - begin_m
+    length_m = np.maximum(np.hypot(*along_m.T), 1e-12)
+    lengths_m = np.hypot(*(np.roll(vertices_m, -1, axis=0) - vertices_m).T)
+    gone_m = np.concatenate([[0.0], np.cumsum(np.tile(lengths_m, 2))])  # to each vertex, round after round
+
+    def legs_at(places_m: Floats) -> Floats:
+        on_m = np.clip(((places_m - begin_m) * along_m).sum(axis=1) / length_m, 0.0, length_m)
+        return np.asarray(np.interp(gone_m[first] + on_m, gone_m, np.arange(len(gone_m), dtype=np.float64)))
+
+    begin, end = legs_at(line_m[:-1]), legs_at(line_m[1:])
+    inside = np.maximum(np.ceil(end - 1e-9) - np.floor(begin + 1e-9) - 1, 0).astype(np.int64)  # vertices on its way
+    which = np.repeat(np.arange(len(leg)), inside + 1)
+    number = np.arange(len(which)) - np.repeat(np.cumsum(inside + 1) - inside - 1, inside + 1)
+    here = np.where(number == 0, begin[which], np.floor(begin[which] + 1e-9) + number)
+    there = np.where(number == inside[which], end[which], np.floor(begin[which] + 1e-9) + number + 1)
+    share = (here - begin[which]) / np.maximum(end - begin, 1e-12)[which]
+    cut_m = line_m[which] + share[:, None] * (line_m[which + 1] - line_m[which])
+    turns = n * (np.floor((here + there) / 2) >= n)
+    return np.vstack([cut_m, line_m[-1:]]), np.column_stack([here - turns, np.maximum(here, there) - turns])

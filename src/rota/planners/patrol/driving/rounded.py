@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.planners.patrol.driving import rounded_kernels as kernels
-from rota.planners.patrol.driving.corner_costs import CornerCosts
-from rota.planners.patrol.driving.polylines import thinned
+from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
+from rota.planners.patrol.driving.corner_table_kernels import corner_table
+from rota.planners.patrol.driving.polylines import beside_legs, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 
 Floats = NDArray[np.float64]
@@ -19,9 +20,6 @@ SLOWER, GENTLER = 1 - 1e-6, 1 - 1e-3  # of full speed and of the limits, so that
 OFF_M = 0.05  # that the chords of a rounded corner may be off a motion that keeps the limits, see check.acceleration
 SLOWEST_M_S = 1e-3  # slower is at rest
 BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its legs, one sees as much outwards
-LANES = 4  # that stand for many
-LANE_REACHES = 10.0  # the lanes whose metres cost a metre each
-LONGEST_REACHES = 6.5  # the longest leg of a table: a little more than a search has
 
 
 class Rounded:
@@ -46,26 +44,12 @@ class Rounded:
         self.step_s = 2 * math.sqrt(2 * OFF_M / self.limits.corner_m_s2)
         self.off_m = min(self.limits.cut_m, self.limits.speed_m_s**2 / (2 * self.limits.corner_m_s2))
         self.blind_m = BLIND * self.off_m
-        reach_m = robot.sensor.reach_m
         self.pace_m_s = robot.speed_m_s
-        self.pace_m_s = robot.speed_m_s / self.lanes_factor(LANE_REACHES * reach_m, 2 * reach_m)
-        longest_m = LONGEST_REACHES * reach_m
-        table = kernels.corner_table(longest_m, self.pace_m_s, self.limits)
+        self.pace_m_s = pace_on_lanes(self)
+        longest_m = LONGEST_REACHES * robot.sensor.reach_m
+        table = corner_table(longest_m, self.pace_m_s, self.limits)
         straight = self.pace_m_s / self.limits.speed_m_s - 1
         self.corner_costs = CornerCosts(turn_m=0.0, arc_m=0.0, table=table, longest_m=longest_m, straight=straight)
-
-    @property
-    def quarter_turn_m(self) -> float:
-        """What a right angle between long legs costs; see ``Driving``."""
-        row = math.sin(math.pi / 4) * (kernels.ANGLES - 1)
-        return 2 * float(np.interp(row, np.arange(kernels.ANGLES), self.corner_costs.table[:, -1]))
-
-    def lanes_factor(self, lane_m: float, swath_m: float) -> float:
-        """What a metre of lanes costs that are so long and so far apart, with a right angle at either end of each."""
-        ends = np.tile([[0.0, 0.0], [lane_m, 0.0], [lane_m, swath_m], [0.0, swath_m]], (LANES, 1))
-        ends[:, 1] += np.repeat(np.arange(LANES), 4) * 2 * swath_m
-        legs_m = np.hypot(*(np.roll(ends, -1, axis=0) - ends).T)
-        return self.round_m(ends) / float(legs_m.sum())
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
@@ -74,12 +58,23 @@ class Rounded:
             return 0.0
         return float(kernels.round_s(vertices_m, self.limits)) * self.pace_m_s
 
+    def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """Its way, and beside what of the polyline it is; see ``Driving``."""
+        corners_m = thinned(vertices_m)
+        if len(corners_m) == 1:
+            return corners_m, np.zeros((0, 2))
+        rows = self._rows(corners_m)
+        return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m)
+
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round as fast as it can be driven; it begins and ends where the rounding of the first corner ends."""
         vertices_m = thinned(vertices_m)
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
-        return _line(kernels.timed_rows(vertices_m, True, self.step_s, self.limits))
+        return _line(self._rows(vertices_m))
+
+    def _rows(self, corners_m: Floats) -> Floats:
+        return np.asarray(kernels.timed_rows(corners_m, True, self.step_s, self.limits))
 
     def way(self, line_m: Floats) -> TimedLine:
         """A way along an open polyline (n, 2) without legs of no length, from rest to rest; it stops at its corners."""

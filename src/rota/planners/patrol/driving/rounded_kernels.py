@@ -25,8 +25,6 @@ STRAIGHT = 1e-6  # sine of half an angle below which a vertex is no corner
 STRAIGHT_BACK = 1 - 1e-9  # from which on a corner leads back along the way to it
 SHORTEST_S = 1e-6  # a change of speed in less is part of the leg after it
 SHORT = 1 - 1e-9  # of half a leg, to which a rounding reaches
-ANGLES, LENGTHS = 33, 64  # rows and columns of a table of corners
-SMALLEST_TURN = 1e-5  # the first row's
 
 
 class Limits(NamedTuple):
@@ -199,27 +197,6 @@ def round_s(vertices_m, limits):
     return total_s
 
 
-@kernel(noinline=True)
-def corner_table(longest_m, pace_m_s, limits):
-    """What corners add, as metres at a pace, by their sharpness and the legs beside them: (ANGLES, LENGTHS).
-
-    Of a corner between two legs each has its share. Row j is for half an angle with the sine j / (ANGLES - 1), the
-    first for the smallest turn there is; column i for a leg of (i / (LENGTHS - 1))^2 ``longest_m``. It is what a leg
-    between two corners alike adds to their half; less than 0 for legs that are faster than the pace.
-    """
-    table = np.zeros((ANGLES, LENGTHS))
-    for j in range(ANGLES):
-        sine = max(SMALLEST_TURN, j / (ANGLES - 1))
-        for i in range(1, LENGTHS):
-            leg_m = longest_m * (i / (LENGTHS - 1)) ** 2
-            speed = fastest_round(sine, leg_m, limits)
-            whole_s, half_m, _ = rounding(speed, sine, limits)
-            whole_s += between_s(speed, speed, max(0.0, leg_m - 2 * half_m), limits)
-            whole_s += 2 * math.asin(min(1.0, sine)) * limits.turn_s
-            table[j, i] = (whole_s * pace_m_s - leg_m) / 2
-    return table
-
-
 @kernel
 def _add_row(rows, n, x, y, in_s, acceleration):
     """Write a leg that ends at (x, y) after so long; one that takes next to no time is left to the next one.
@@ -289,7 +266,9 @@ def _add_rounding(rows, n, at, towards, corner, step_s, limits):
 
 @kernel(noinline=True)
 def timed_rows(vertices_m, closed, step_s, limits):
-    """Rows (m, 4) of a way along a polyline (n, 2), n > 1: seconds, x, y, acceleration along the leg that ends there.
+    """Rows (m, 5) of a way along a polyline (n, 2), n > 1: seconds, x, y, and what the leg is that ends there.
+
+    That is its acceleration, and which of the polyline's legs it is beside.
 
     A closed one begins and ends where the rounding of the first corner ends, another one at rest at its ends. step_s:
     the longest time between two tangents to a rounding.
@@ -299,7 +278,7 @@ def timed_rows(vertices_m, closed, step_s, limits):
     most = 1
     for k in range(n):
         most += 12 + int(rounding(corners[k, 1], corners[k, 0], limits)[0] / step_s) + 6
-    rows = np.zeros((most, 5))
+    rows, beside = np.zeros((most, 5)), np.zeros(most)
     x0, y0 = 0.0, 0.0
     count = 1
     for k in range(n if closed else n - 1):
@@ -310,6 +289,7 @@ def timed_rows(vertices_m, closed, step_s, limits):
         next_s, next_half_m, _ = rounding(corners[after, 1], corners[after, 0], limits)
         room_m = max(0.0, leg_m - half_m - next_half_m)
         begin_m_s, end_m_s = corners[k, 1], corners[after, 1]
+        first = count
         peak = peak_m_s(begin_m_s, end_m_s, room_m, limits)
         up_m, down_m = ramp_m(begin_m_s, peak, limits), ramp_m(peak, end_m_s, limits)
         x, y = vertices_m[k, 0] + ux * half_m, vertices_m[k, 1] + uy * half_m
@@ -325,24 +305,28 @@ def timed_rows(vertices_m, closed, step_s, limits):
         if limits.turn_s > 0:
             turn_s = 2 * math.asin(min(1.0, corners[after, 0])) * limits.turn_s
             count = _add_row(rows, count, x, y, turn_s, 0.0)
+        beside[first:most] = k
         if next_s > 0 and corners[after, 0] >= STRAIGHT:
             vx, vy = (vertices_m[later] - vertices_m[after]) / corners[after, 2]
+            begins = count
             count = _add_rounding(rows, count, Heading(x, y, ux, uy), (vx, vy), corners[after], step_s, limits)
+            beside[(begins + count) // 2 : count] = k + 1
     rows[count - 1, 0] += rows[count - 1, 4]
     if closed:
         if rows[count - 2, 1] == rows[count - 1, 1] and rows[count - 2, 2] == rows[count - 1, 2]:
             rows[count - 2, 1], rows[count - 2, 2] = x0, y0  # a pause stays one
         rows[count - 1, 1], rows[count - 1, 2] = x0, y0
-    return rows[:count, :4]
+    rows[:count, 4] = beside[:count]
+    return rows[:count]
 
 
 @kernel(noinline=True)
 def run_up(x, y, ux, uy, speed_m_s, limits):
-    """Rows (m, 4) as above of a start from rest that gets to (x, y), in the direction u, at this speed."""
+    """Rows (m, 5) as above of a start from rest that gets to (x, y), in the direction u, at this speed."""
     rows = np.zeros((8, 5))
     length_m = ramp_m(0.0, speed_m_s, limits)
     rows[0, 1], rows[0, 2] = x - ux * length_m, y - uy * length_m
     count = _add_ramp(rows, 1, Heading(rows[0, 1], rows[0, 2], ux, uy), 0.0, speed_m_s, limits)
     rows[count - 1, 0] += rows[count - 1, 4]
     rows[count - 1, 1], rows[count - 1, 2] = x, y
-    return rows[:count, :4]
+    return rows[:count]

@@ -50,3 +50,28 @@ class TimedLine(NamedTuple):
 def steady(times_s: Floats, places_m: Floats) -> TimedLine:
     """A timed line whose legs are driven at constant speeds."""
     return TimedLine(times_s, places_m, np.zeros(len(times_s) - 1))
+
+
+def started_at(line: TimedLine, phase_s: float) -> TimedLine:
+    """The round begun ``phase_s`` after its start; its duration stays exactly the same."""
+    times_s, places_m, accelerations = line
+    duration_s = line.duration_s
+    phase_s = phase_s % duration_s
+    near = int(np.argmin(np.abs(times_s - phase_s)))
+    if abs(times_s[near] - phase_s) < 1e-6 * duration_s / len(times_s):
+        phase_s = float(times_s[near])  # on a vertex: no leg of hardly any length
+    if phase_s in (0.0, duration_s):
+        return line
+    begins_m = line.at(np.array([phase_s]))
+    after, before = times_s > phase_s, times_s < phase_s
+    on_vertex = bool((times_s == phase_s).any())
+    if on_vertex:
+        begins_m = places_m[[int(np.searchsorted(times_s, phase_s))]]
+    # the seam's two rows are one: the end of the old round is the start of the new
+    times = np.concatenate(
+        [[0.0], times_s[after] - phase_s, times_s[before][1:] + (duration_s - phase_s), [duration_s]]
+    )
+    places = np.vstack([begins_m, places_m[after], places_m[before][1:], begins_m])
+    first = int(np.searchsorted(times_s, phase_s, side="right")) - 1
+    cut = accelerations[first : first + 1] if not on_vertex else np.zeros(0)
+    return TimedLine(times, places, np.concatenate([accelerations[first:], accelerations[:first], cut]))

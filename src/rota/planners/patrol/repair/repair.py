@@ -29,7 +29,7 @@ from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
 from rota.planners.patrol.tours.curves import curved
-from rota.planners.patrol.tours.timetable import as_trajectories
+from rota.planners.patrol.tours.timetable import as_trajectories, begun_by_autopilots
 from rota.planners.patrol.tours.tour import Tour, driven, over_budget_share, tour_length_m
 from rota.planners.patrol.traffic.bodies.reroutes import rerouted
 from rota.planners.patrol.traffic.bodies.timing import timed_rounds
@@ -87,12 +87,16 @@ def plan_of(
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Plan:
     """The plan that drives these tours, with the bound; the fleet's names for robots, or robot-1, robot-2, ..."""
-    rounds = timed_rounds(curved(driven(tours), problem.paths.grid, should_stop), problem.robot.body_radius_m)
+    ways = driven(tours)
+    rounds = timed_rounds(curved(ways, problem.paths.grid, should_stop), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
+    trajectories = as_trajectories(rounds, names[: len(rounds)])
+    if problem.robot.body_radius_m == 0:
+        trajectories = begun_by_autopilots(ways, trajectories)
     return Plan(
         mission=problem.mission,
-        trajectories=as_trajectories(rounds, names[: len(rounds)]),
+        trajectories=trajectories,
         seed=seed,
         lower_bound_robots=None if bound is None else bound.robots,
         lower_bound_reason=None if bound is None else bound.reason,

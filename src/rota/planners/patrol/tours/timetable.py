@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from rota.mission import Robot
 from rota.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOWER
+from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import timeable
-from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tours.tour import Pace
+from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
+from rota.planners.patrol.tours.tour import Pace, Tour
 
 Floats = NDArray[np.float64]
 
@@ -69,31 +70,6 @@ def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> TimedLine:
     return started_at(steady(np.concatenate(times_s), np.vstack(places)), pace.lead_m / speed_m_s)
 
 
-def started_at(line: TimedLine, phase_s: float) -> TimedLine:
-    """The round begun ``phase_s`` after its start; its duration stays exactly the same."""
-    times_s, places_m, accelerations = line
-    duration_s = line.duration_s
-    phase_s = phase_s % duration_s
-    near = int(np.argmin(np.abs(times_s - phase_s)))
-    if abs(times_s[near] - phase_s) < 1e-6 * duration_s / len(times_s):
-        phase_s = float(times_s[near])  # on a vertex: no leg of hardly any length
-    if phase_s in (0.0, duration_s):
-        return line
-    begins_m = line.at(np.array([phase_s]))
-    after, before = times_s > phase_s, times_s < phase_s
-    on_vertex = bool((times_s == phase_s).any())
-    if on_vertex:
-        begins_m = places_m[[int(np.searchsorted(times_s, phase_s))]]
-    # the seam's two rows are one: the end of the old round is the start of the new
-    times = np.concatenate(
-        [[0.0], times_s[after] - phase_s, times_s[before][1:] + (duration_s - phase_s), [duration_s]]
-    )
-    places = np.vstack([begins_m, places_m[after], places_m[before][1:], begins_m])
-    first = int(np.searchsorted(times_s, phase_s, side="right")) - 1
-    cut = accelerations[first : first + 1] if not on_vertex else np.zeros(0)
-    return TimedLine(times, places, np.concatenate([accelerations[first:], accelerations[:first], cut]))
-
-
 def evenly_spaced(line: TimedLine, robots: int, offset_s: float = 0.0) -> list[TimedLine]:
     """The rounds of the robots that share one at equal headways; the first begins ``offset_s`` into it."""
     if line.stays:
@@ -113,3 +89,16 @@ def as_trajectories(rounds: Sequence[TimedLine], names: Sequence[str]) -> tuple[
         )
         for name, line in zip(names, rounds, strict=True)
     )
+
+
+def begun_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory]) -> tuple[Trajectory, ...]:
+    """The trajectories of robots that share tours evenly, of those with autopilots as these can begin them."""
+    phases = ((tour, k / tour.robots) for tour in tours for k in range(tour.robots))
+    begun = []
+    for (tour, share), trajectory in zip(phases, trajectories, strict=True):
+        driving = driving_of(tour.robot)
+        made = None
+        if isinstance(driving, Auto):
+            made = driving.begun_at_a_corner(trajectory.robot, tour.vertices_m, share * trajectory.loop_duration_s)
+        begun.append(made or trajectory)
+    return tuple(begun)

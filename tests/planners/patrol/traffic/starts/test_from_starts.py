@@ -15,9 +15,8 @@ from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
 from rota.plan import Plan, Trajectory
 from rota.plan_summary import robot_rows
-from rota.planners.patrol.driving.timed_line import steady
+from rota.planners.patrol.driving.timed_line import started_at, steady
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.tours.timetable import started_at
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 
 WALL = Obstacle(shape=MultiPolygon([box(4, -1, 5, 1)]))

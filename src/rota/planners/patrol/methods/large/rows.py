@@ -103,7 +103,7 @@ def row_settings(problem: Problem, swath: Swath, budget_m: float) -> RowSettings
         budget_m=budget_m,
         width_m=2 * half_m,
         short_m=float(swath.chords_m(np.array([half_m]))[1][0]),
-        corner_m=driving_of(problem.robot).quarter_turn_m,
+        corner_m=driving_of(problem.robot).corner_costs.quarter_turn_m,
         sharing=MOST_SHARING if shares else 1,
     )
 

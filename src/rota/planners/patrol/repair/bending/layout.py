@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,22 +142,42 @@ def sightings(
     reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - handicap_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
-    ends_m = np.hstack([places_m[layout.start], places_m[layout.end]])
-    blind = blind_shares(ends_m, np.array([driving_of(robot).blind_m for robot in robots])[layout.tour])
-    inner_m = blind[:, None] * (ends_m[:, 2:] - ends_m[:, :2])
-    seeing_m = ends_m + np.hstack([inner_m, -inner_m])
-    legs = SensingLegs(seeing_m, period_class[layout.tour], reach_m[layout.tour], square[layout.tour])
+    driven = as_driven(layout, places_m)
+    of_tour = layout.tour[driven.leg]
+    legs = SensingLegs(driven.ends_m, period_class[of_tour], reach_m[of_tour], square[of_tour])
     n = len(samples.x)
     best = Sightings(np.empty(n, dtype=np.int64), np.empty(n), np.empty(n))
     room = 1024
     while best_sightings(legs, further_m, samples, np.empty(room, dtype=np.int32), best):
         room *= 2
-    at = np.where(best.leg >= 0, blind[best.leg] + best.at * (1 - 2 * blind[best.leg]), best.at)
-    behind_m = np.where(best.leg >= 0, handicap_m[layout.tour[best.leg]], 0.0)
-    return best._replace(at=at, range_deficit_m=best.range_deficit_m - behind_m)
+    share, leg = driven.share[best.leg], np.where(best.leg >= 0, driven.leg[best.leg], -1)
+    at = share[:, 0] + best.at * (share[:, 1] - share[:, 0])
+    behind_m = np.where(leg >= 0, handicap_m[layout.tour[leg]], 0.0)
+    return Sightings(leg, at, best.range_deficit_m - behind_m)
 
 
-def blind_shares(ends_m: Floats, blind_m: Floats) -> Floats:
-    """The share (m,) of each leg (m, 4) at either end, from which nothing counts as seen, by its length (m,)."""
-    lengths_m = np.hypot(*(ends_m[:, 2:] - ends_m[:, :2]).T)
-    return np.asarray(np.where(lengths_m > 2 * blind_m, blind_m / np.maximum(lengths_m, 1e-12), 0.5 * (blind_m > 0)))
+class Driven(NamedTuple):
+    """The ways that robots drive: chords (m, 4), and the part of which leg (m,) each is beside, (m, 2) in 0..1."""
+
+    ends_m: Floats
+    leg: Ints
+    share: Floats
+
+
+def as_driven(layout: Layout, places_m: Floats) -> Driven:
+    """The legs as they are driven, with the vertices at these places (n, 2): corners are cut by robots with mass."""
+    ends_m = np.hstack([places_m[layout.start], places_m[layout.end]])
+    whole = Driven(ends_m, np.arange(len(ends_m)), np.tile([0.0, 1.0], (len(ends_m), 1)))
+    if not any(driving_of(tour.robot).off_m > 0 for tour in layout.tours):
+        return whole
+    parts = []
+    for k, tour in enumerate(layout.tours):
+        own = np.flatnonzero(layout.tour == k)
+        line_m, beside = driving_of(tour.robot).driven(places_m[layout.start[own]])
+        if len(line_m) == 1:
+            parts.append(Driven(ends_m[own], own, whole.share[own]))
+            continue
+        leg = np.floor(beside.mean(axis=1)).astype(np.int64)
+        share = np.clip(beside - leg[:, None], 0.0, 1.0)
+        parts.append(Driven(np.hstack([line_m[:-1], line_m[1:]]), own[leg % len(own)], share))
+    return Driven(*(np.concatenate(values) for values in zip(*parts, strict=True)))

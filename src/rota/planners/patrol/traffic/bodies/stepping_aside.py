@@ -12,8 +12,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.planners.patrol.driving.timed_line import steady
-from rota.planners.patrol.tours.timetable import line_of, started_at
+from rota.planners.patrol.driving.timed_line import started_at, steady
+from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
 
 Floats = NDArray[np.float64]

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.driving.timed_line import steady
-from rota.planners.patrol.tours.timetable import started_at, stretched
+from rota.planners.patrol.driving.timed_line import started_at, steady
+from rota.planners.patrol.tours.timetable import stretched
 from rota.planners.patrol.traffic.bodies import kernels
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sampled

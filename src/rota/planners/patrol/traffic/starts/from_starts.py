@@ -13,8 +13,7 @@ from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.mission import Mission, Robot, StartBox, StartPoints
 from rota.plan import Plan
-from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tours.timetable import started_at
+from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
