@@ -1,9 +1,9 @@
 """A round that ArduCopter's simulator flew by timed targets, beside the way that was predicted.
 
 `flown_targets.csv` has where the fifth of ten copters over the harbour said it was, five times a second, in its second
-and third round (ArduCopter 4.6-dev, its simulated quadcopter, no wind, WPNAV_ACCEL 500, PSC_JERK_XY 20, GUID_TIMEOUT 0.5);
-`flown_targets_way.csv` its planned points, each with the acceleration along the leg after it. The clock of all was 0.04 s
-behind the plan's then: the median over all ten copters.
+and third round: ArduCopter 4.6-dev, its simulated quadcopter, no wind, WPNAV_ACCEL 500, PSC_JERK_XY 20, GUID_TIMEOUT
+0.5. `flown_targets_way.csv` has its planned points, each with the acceleration along the leg after it. The clock of all
+was 0.04 s behind the plan's then: the median over all ten copters.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -116,6 +117,13 @@ def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() ->
 def test_targets_are_for_arducopters() -> None:
     with flying(Script()) as vehicles, pytest.raises(LinkError, match=r"robot a: its autopilot is PX4; way=targets is"):
         with_link(PLAN, vehicles, started, "way=targets")
+
+
+def test_plans_with_accelerations_are_driven_by_targets_unless_it_is_said_otherwise() -> None:
+    (way,) = PLAN.trajectories
+    with_mass = replace(PLAN, trajectories=(replace(way, accelerations_m_s2=np.zeros(len(way.times_s) - 1)),))
+    pairs = [(PLAN, []), (PLAN, ["way=targets"]), (with_mass, []), (with_mass, ["way=mission"])]
+    assert [make_link("mavlink", plan, given).drives_along for plan, given in pairs] == [False, True, True, False]
 
 
 def test_how_fast_corners_let_a_plan_be_driven_is_known_before() -> None:

@@ -66,6 +66,8 @@ def fly(
         return
     _require_sense(plan, start, yes, pause, home, _only_started(yes, seconds, hands_off, log))
     answer = read_plan_argument(plan)
+    if hands_off and link == "mavlink" and not any(text.startswith("way=") for text in settings or ()):
+        settings = [*(settings or ()), "way=mission"]  # targets need somebody who sends them
     made = chosen_link(link, answer, origin, settings)
     watching = _watching(plan, link, settings or [], origin)
     if hands_off and made.drives_along:

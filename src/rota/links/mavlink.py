@@ -15,7 +15,8 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     """A vehicle for each robot of the plan, in its order, driven in the way that the settings say."""
     required("mavsdk", "mavlink")
     projection = projection_of(plan.mission, "MAVLink")
-    if settings.way == "targets":
+    with_mass = any(trajectory.accelerations_m_s2 is not None for trajectory in plan)
+    if settings.way == "targets" or (settings.way == "auto" and with_mass):
         return MavlinkTargetLink(plan, projection, settings)
     top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
     return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings)

@@ -42,7 +42,7 @@ from rota.route import Place3, Route
 if TYPE_CHECKING:
     from mavsdk import System
 
-DrivenWay = Literal["mission", "targets"]
+DrivenWay = Literal["auto", "mission", "targets"]
 VehicleType = Literal["multicopter", "fixed_wing", "rover", "submarine", "any"]
 
 AUTOPILOTS: dict[str, Autopilot] = {"ARDUPILOT": "ardupilot", "PX4": "px4"}
@@ -60,7 +60,9 @@ class MavlinkSettings(Settings):
         "udpin://127.0.0.1:14540", "of the first vehicle, each next one a port higher; or all, with + between"
     )
     vehicle: VehicleType = setting("multicopter", "what every vehicle must be: fixed_wing, rover, submarine, any")
-    way: DrivenWay = setting("mission", "how ArduCopters are driven: by missions of their own, or by timed targets")
+    way: DrivenWay = setting(
+        "auto", "missions of their own, or timed targets (ArduCopters); auto: targets for plans with accelerations"
+    )
     acceleration_m_s2: float = setting(3.0, "with targets: what a copter is asked for at most", above=0, most=20)
     corner_m: float = setting(1.5, "with targets: how far corners are cut at most", above=0, most=100)
     wait_s: float = setting(10.0, "how long a vehicle may take to be heard", above=0, most=3600)
