@@ -19,6 +19,7 @@ from rota.links.flights import Flights
 from rota.links.link_settings import make_link
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
+from rota.plan import Waypoints
 
 pytestmark = pytest.mark.mavsdk
 COPTER = Script(firmware=mav.MAV_AUTOPILOT_ARDUPILOTMEGA, flies=True, position=(481000000, 114998657, 0))
@@ -122,8 +123,11 @@ def test_targets_are_for_arducopters() -> None:
 def test_plans_with_accelerations_are_driven_by_targets_unless_it_is_said_otherwise() -> None:
     (way,) = PLAN.trajectories
     with_mass = replace(PLAN, trajectories=(replace(way, accelerations_m_s2=np.zeros(len(way.times_s) - 1)),))
-    pairs = [(PLAN, []), (PLAN, ["way=targets"]), (with_mass, []), (with_mass, ["way=mission"])]
-    assert [make_link("mavlink", plan, given).drives_along for plan, given in pairs] == [False, True, True, False]
+    told = Waypoints(places_m=way.positions_m[[1, 2, 4]], times_s=[2, 17, 25, 45], speed_m_s=5.0)
+    by_waypoints = replace(PLAN, trajectories=(replace(with_mass.trajectories[0], waypoints=told),))
+    cases = [(PLAN, []), (PLAN, ["way=targets"]), (with_mass, []), (with_mass, ["way=mission"]), (by_waypoints, [])]
+    by_targets = [make_link("mavlink", plan, given).drives_along for plan, given in cases]
+    assert by_targets == [False, True, True, False, False]
 
 
 def test_how_fast_corners_let_a_plan_be_driven_is_known_before() -> None:

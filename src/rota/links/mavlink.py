@@ -15,8 +15,9 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     """A vehicle for each robot of the plan, in its order, driven in the way that the settings say."""
     required("mavsdk", "mavlink")
     projection = projection_of(plan.mission, "MAVLink")
-    with_mass = any(trajectory.accelerations_m_s2 is not None for trajectory in plan)
-    if settings.way == "targets" or (settings.way == "auto" and with_mass):
+    # curves of a plan's own are flown by targets; waypoints are made for missions
+    curves = any(each.accelerations_m_s2 is not None and each.waypoints is None for each in plan)
+    if settings.way == "targets" or (settings.way == "auto" and curves):
         return MavlinkTargetLink(plan, projection, settings)
     top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
     return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings)

@@ -61,7 +61,7 @@ class MavlinkSettings(Settings):
     )
     vehicle: VehicleType = setting("multicopter", "what every vehicle must be: fixed_wing, rover, submarine, any")
     way: DrivenWay = setting(
-        "auto", "missions of their own, or timed targets (ArduCopters); auto: targets for plans with accelerations"
+        "auto", "mission: on missions of their own; targets: by timed targets, ArduCopters; auto: as the plan is made"
     )
     acceleration_m_s2: float = setting(3.0, "with targets: what a copter is asked for at most", above=0, most=20)
     corner_m: float = setting(1.5, "with targets: how far corners are cut at most", above=0, most=100)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 
-from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, WAYPOINT
+from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, LOITER_UNLIMITED, WAYPOINT
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_vehicle import MavlinkVehicle
 
@@ -38,25 +38,26 @@ def leg_speeds(items: Sequence[WireItem]) -> dict[int, float]:
 
 
 class MissionPace:
-    """One vehicle on its mission. top_m_s: what its robot may drive."""
+    """One vehicle on its mission. top_m_s: what its robot may drive.
+
+    first: the number of the first item that is flown after the take-off; None where there is none.
+    """
 
     def __init__(self, vehicle: MavlinkVehicle, items: Sequence[WireItem], top_m_s: float) -> None:
         self._vehicle, self._top_m_s = vehicle, top_m_s
         self._speeds = leg_speeds(items)
         self._numbers = sorted(self._speeds)
+        # item 0 is home on ArduPilot, which alone is told where to begin
+        flown = [item.seq for item in items[1:] if item.command in (WAYPOINT, LOITER_UNLIMITED)]
+        self.first = flown[0] if flown else None
         self._first_m_s = next((item.params[1] for item in items if item.command == DO_CHANGE_SPEED), 0.0)
         self._told: tuple[int, float] | None = None
 
-    @property
-    def first(self) -> int | None:
-        """The number of its first waypoint; None where the mission has none with a speed."""
-        return self._numbers[0] if self._numbers else None
-
     async def begin(self) -> None:
         """Tell it the speed of its first leg, whose own item was left out."""
-        if self.first is not None:
+        if self.first is not None and self._first_m_s > 0:
             self._told = (self.first, self._first_m_s)
-            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, self._told[1], -1])
+            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, self._first_m_s, -1])
 
     async def keep(self, late_s: float, rate: float) -> None:
         """Let it gain ``late_s``, or lose as much; LinkError where it does not answer."""
