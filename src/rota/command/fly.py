@@ -66,9 +66,10 @@ def fly(
         return
     _require_sense(plan, start, yes, pause, home, _only_started(yes, seconds, hands_off, log))
     answer = read_plan_argument(plan)
-    if hands_off and link == "mavlink" and not any(text.startswith("way=") for text in settings or ()):
-        settings = [*(settings or ()), "way=mission"]  # targets need somebody who sends them
-    made = chosen_link(link, answer, origin, settings)
+    left_alone = hands_off and link == "mavlink" and not any(text.startswith("way=") for text in settings or ())
+    # targets need somebody who sends them
+    chosen = [*(settings or ()), "way=mission"] if left_alone else settings
+    made = chosen_link(link, answer, origin, chosen)
     watching = _watching(plan, link, settings or [], origin)
     if hands_off and made.drives_along:
         raise RotaError(f"--hands-off: robots on the link {link} drive only while this command goes on")

@@ -22,7 +22,7 @@ class MavlinkTargetLink(MavlinkLink):
     """A Link to ArduCopters in their mode GUIDED; see ``mavlink_targets``."""
 
     drives_along = True
-    modes: ClassVar[dict[str, Mode]] = {**MODES, "OFFBOARD": "running", "MISSION": "paused"}
+    modes: ClassVar[dict[str, Mode]] = {**MODES, "OFFBOARD": "running"}
 
     def __init__(self, plan: Plan, projection: Projection, settings: MavlinkSettings) -> None:
         fleet = plan.mission.fleet
