@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import shutil
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -155,15 +155,20 @@ def with_foreign(
     *given: str,
     of: Plan | None = None,
     version: str = "2.0.0",
+    slow_m_s: Mapping[str, float] | None = None,
 ) -> Shift:
-    """What comes of doing something with a link to a vehicle for each robot, which stands where its way begins."""
+    """What comes of doing something with a link to a vehicle for each robot, which stands where its way begins.
+
+    slow_m_s: the speeds of those that are slower than their robots.
+    """
     of = of or plan()
 
     async def run() -> Shift:
         agvs = {}
         for way in of:
             x, y = way.positions_m[0, :2].tolist()
-            agvs[way.robot] = ForeignAgv(way.robot, (x, y), of.mission.fleet.robot(way.robot).speed_m_s, version)
+            speed_m_s = (slow_m_s or {}).get(way.robot, of.mission.fleet.robot(way.robot).speed_m_s)
+            agvs[way.robot] = ForeignAgv(way.robot, (x, y), speed_m_s, version)
         async with foreign(port, list(agvs.values()), clock):
             shift = Shift(of, make_link("vda5050", of, [f"port={port}", *given]), agvs)
             try:

@@ -15,7 +15,7 @@ from tests.links.foreign_agvs import NAMES, ROUND_S, Shift, plan, require_node, 
 from rota.errors import LinkError
 from rota.links.sending import routes_for, send_all
 from rota.live.driving import Driving
-from rota.live.keeping import Keeping
+from rota.live.keeping import Keeping, Slack
 from rota.live.ready import make_ready
 from rota.live.watch import Watch
 
@@ -94,6 +94,31 @@ def test_they_make_up_what_a_lost_broker_has_cost(tmp_path: Path, monkeypatch: p
         assert max(late_s) > 10
         assert abs(late_s[-1]) < 1.0
     assert shift.errors == []
+
+
+@pytest.mark.slow  # four rounds of 28 s, five times as fast as the clock
+def test_all_wait_for_one_that_cannot_keep_up_and_it_is_told(port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    make_ready()
+    clock = FastTime(rate=5.0)
+    clock.let_links_have_it(monkeypatch)
+    keeping = Keeping(plan(), {"lane": Slack(gap_s=50.0, period_s=60.0)})
+
+    async def drive(shift: Shift) -> None:
+        driving = Driving(shift.link, Watch(plan()), keeping, None, lambda notice: shift.told.append(notice.text))
+        await shift.start(clock)
+        await driving.drive(until_s=6 * ROUND_S, should_stop=lambda: False)
+
+    # 24 m in 24 s and 4 s of waits: at 0.6 m/s it takes 40 s and more
+    shift = with_foreign(port, clock, drive, slow_m_s={"b": 0.6})
+    told = [text for text in shift.told if "cannot keep up" in text]
+    assert told[0].startswith("b cannot keep up: ")
+    assert "all go on at 0." in told[0]
+    assert "lane is seen every" in told[0]
+    late_s = {name: shift.late_s(name) for name in NAMES}
+    assert late_s["b"][2] > 30
+    for name in "ac":
+        # without waiting they would be 40 s ahead of it by then
+        assert late_s["b"][2] - late_s[name][2] < 20
 
 
 def test_a_vehicle_of_a_version_that_is_not_spoken_is_told_so(tmp_path: Path) -> None:

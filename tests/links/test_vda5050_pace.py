@@ -10,7 +10,7 @@ import pytest
 
 from rota.files.vda5050_orders import NumberedStops, Window
 from rota.links.leg_times import Leg, LegTimes
-from rota.links.vda5050_pace import AHEAD_S, Pace
+from rota.links.vda5050_pace import AHEAD_S, MOST_ROOM_S, Pace
 from rota.plan import Trajectory
 from rota.route import Route, RouteStop, route_of
 
@@ -95,7 +95,8 @@ def test_what_cannot_be_made_up_stays_late_and_is_told_to_leave_no_room() -> Non
     late = late_s(pace, Vehicle(share=0.95), 10)
     assert late[-1] == pytest.approx(40 * (10 / 0.95 - 10), abs=40 * STEP_S)
     assert pace.room_s() == 0.0
-    assert Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(2.0, 0.0, 2.0))), 1.25).room_s() == pytest.approx(12.0)
+    assert Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(2.0, 0.0, 2.0))), 1.25).room_s() == MOST_ROOM_S
+    assert Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(0.2, 0.0, 0.3))), 1.0).room_s() == pytest.approx(0.5)
 
 
 def test_a_vehicle_that_speeds_up_and_brakes_as_planned_is_told_the_plan_s_speeds() -> None:

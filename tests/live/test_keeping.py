@@ -15,7 +15,7 @@ from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
 from rota.live.driving import Driving
 from rota.live.keeping import Keeping, Order, Slack
-from rota.live.notices import Notice, RobotState, Standing
+from rota.live.notices import Notice, NoticeKind, RobotState, Standing
 from rota.live.watch import Watch
 from rota.plan import Plan
 
@@ -123,3 +123,20 @@ def test_a_link_that_does_not_answer_is_told_once() -> None:
 
     asyncio.run(drive())
     assert told == ["robot a: no answer; it is not kept in phase meanwhile"]
+
+
+def test_a_robot_that_waits_for_the_clock_of_all_is_not_told_to_be_held_up() -> None:
+    plan = two_robots()
+    watch, keeping, told = Watch(plan), Keeping(plan, {}), []
+    driving = Driving(make_link("simulated", plan), watch, keeping, None, lambda notice: told.append(notice.kind))
+
+    def happens(kind: NoticeKind) -> None:
+        driving._look([Notice(time_s=1.0, kind=kind, about="a", text="")])
+
+    happens("held up")
+    happens("goes on")
+    assert told == []
+    keeping.behind_s = -2.0  # now it is two seconds late
+    happens("held up")
+    happens("goes on")
+    assert told == ["held up", "goes on"]

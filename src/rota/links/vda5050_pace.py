@@ -18,6 +18,7 @@ EARLY_S = 0.5  # by which it may be early, beyond what slower legs leave of that
 KNOWN = 4  # legs, from which on it is known somewhat how it drives: until then stops are released one by one
 AHEAD_S = 6.0  # a vehicle has stops for so long ahead of it, however short its legs are
 LEAST_DRIVE_S = 1e-3
+MOST_ROOM_S = 1.0
 
 
 class Pace:
@@ -91,12 +92,15 @@ class Pace:
         return self.zero_s + self.arrives_s(number) + self._wait_s(number) - lost_s
 
     def room_s(self) -> float:
-        """What a round leaves to be made up: its waits, and its legs at top speed, as it is expected to drive them."""
+        """What a round leaves to be made up: its waits, and its legs at top speed, as it is expected to drive them.
+
+        No more than ``MOST_ROOM_S``: a vehicle may not be able to drive as fast as it is told.
+        """
         room_s, stops = 0.0, self.stops
         for number in self._one_round:
             fastest = self._leg(number, max(self._top_m_s, stops.stop(number).speed_m_s or 0.0), waits=False)
             room_s += self._planned_s(number) - self._times.expected_s(fastest)
-        return max(room_s, 0.0)
+        return min(max(room_s, 0.0), MOST_ROOM_S)
 
     @property
     def end(self) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from rota.errors import LinkError
 from rota.links.link import Link
-from rota.live.keeping import Keeping, Order
+from rota.live.keeping import LATE_S, Keeping, Order
 from rota.live.notices import Notice
 from rota.live.session import Session
 from rota.live.watch import Watch
@@ -31,6 +31,7 @@ class Driving:
         self._next_s = -math.inf
         self._sent: dict[str, asyncio.Task[None]] = {}
         self._deaf: set[str] = set()
+        self._waiting: set[str] = set()
 
     async def drive(self, *, until_s: float = math.inf, should_stop: Callable[[], bool]) -> None:
         """Until the link's reports end, the plan is ``until_s`` old, or ``should_stop`` says so."""
@@ -50,7 +51,8 @@ class Driving:
 
     def _look(self, notices: list[Notice]) -> None:
         for notice in notices:
-            self._tell(notice)
+            if not self._is_of_waiting(notice):
+                self._tell(notice)
         now_s = self._watch.now_s
         if now_s < self._next_s:
             return
@@ -62,6 +64,17 @@ class Driving:
         if self._link.keeps_phase:
             for order in orders:
                 self._send(order)
+
+    def _is_of_waiting(self, notice: Notice) -> bool:
+        """Whether a notice tells that a robot stands, or goes on, that only waits for the clock of all."""
+        if notice.kind == "held up":
+            robot = next(robot for robot in self._watch.state().robots if robot.name == notice.about)
+            if self._keeping.late_s(robot) < LATE_S:
+                self._waiting.add(notice.about)
+                return True
+        waited = notice.kind == "goes on" and notice.about in self._waiting
+        self._waiting -= {notice.about} if notice.kind in ("held up", "goes on") else set()
+        return waited
 
     def _send(self, order: Order) -> None:
         """Hand an order on, unless the robot still has to do with its last one."""
