@@ -33,6 +33,8 @@ serve: setup
 pictures: demo
 	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour.png
 	$(BIN)/rota animate out/harbour.rota.json -o docs/harbour.gif
+	$(BIN)/rota plan examples/harbour-copters.yaml --effort quick -o out/copters.rota.json
+	$(BIN)/rota draw out/copters.rota.json -o docs/harbour-copters.png
 	$(BIN)/rota plan examples/coast.yaml -o out/coast.rota.json
 	$(BIN)/rota draw out/coast.rota.json -o docs/coast.png
 	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json

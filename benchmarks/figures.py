@@ -26,6 +26,7 @@ from benchmarks.loop_lengths import loop_lengths
 from benchmarks.many_robots import many_robots
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
+from benchmarks.motion import motion
 from benchmarks.one_robot import one_robot
 from benchmarks.page_editing import page_editing
 from benchmarks.plan_fuzz import mutated_plans
@@ -220,6 +221,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "random-missions": random_missions,
     "anytime": anytime,
     "small-jobs": small_jobs,
+    "motion": motion,
     "stopping": stopping,
     "house": house,
     "suite": suite,
@@ -234,6 +236,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "plan-on-cluster": plan_on_cluster,
 }
 LONG = (
+    "motion",
     "random-missions",
     "anytime",
     "swarm-million",

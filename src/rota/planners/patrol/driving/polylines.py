@@ -61,6 +61,8 @@ def timeable_kept(vertices_m: Floats) -> Ints:
 
 def far_enough(points_m: Floats) -> list[int]:
     """The numbers of the points (n, 2), from the first on, that end legs long enough to be timed."""
+    if (np.hypot(*np.diff(points_m, axis=0).T) >= SHORTEST_LEG_M).all():
+        return list(range(len(points_m)))
     keep = [0]
     for i in range(1, len(points_m)):
         if np.hypot(*(points_m[i] - points_m[keep[-1]])) >= SHORTEST_LEG_M:
