@@ -16,6 +16,7 @@ from rota.links.mavlink_vehicle import MavlinkVehicle
 DO_PAUSE_CONTINUE = 193  # MAV_CMD
 CATCH_UP_S = 10.0  # in which it is to make up what it is late by
 LEAST_SHARE = 0.5  # of a leg's speed: who has to lose more is paused
+IN_TIME_S = 0.3  # by which a vehicle may be late until it is told to hurry
 EARLY_S = 1.0  # from which on a vehicle is paused
 LONGEST_PAUSE_S = 20.0
 SAME = 0.02  # share by which a speed has to differ to be told
@@ -68,7 +69,10 @@ class MissionPace:
             await self._pause(min(-late_s, LONGEST_PAUSE_S))
             return
         planned = self._speeds[number]
-        speed = min(planned * max(LEAST_SHARE, rate * (1 + late_s / CATCH_UP_S)), max(self._top_m_s, planned))
+        share = max(LEAST_SHARE, rate * (1 + late_s / CATCH_UP_S))
+        if late_s <= IN_TIME_S and self._vehicle.autopilot == "ardupilot":
+            share = 1.0  # its legs take the time that they were planned with: who is early is paused
+        speed = min(planned * share, max(self._top_m_s, planned))
         before = planned if self._told is None else self._told[1]
         same_leg = self._told is not None and self._told[0] == number
         if abs(speed - before) <= SAME * planned and (same_leg or abs(speed - planned) <= SAME * planned):
