@@ -98,7 +98,28 @@ def _motion_of(trajectory: Trajectory) -> _Motion:
     for_ever = _Motion(still, still, still, np.full(1, math.inf), np.zeros(1), np.full(1, count))
     if not loops or first > 0:
         motion = for_ever.joined(motion)
-    return motion if loops else motion.joined(for_ever)
+    return _without_cuts(motion if loops else motion.joined(for_ever))
+
+
+def _without_cuts(motion: _Motion) -> _Motion:
+    """The motion with legs as one where nothing but a point is between them: no jump of velocity or acceleration.
+
+    So the point at which a loop begins, in the midst of a leg, changes nothing of what can be driven.
+    """
+    noise = motion.noise_m_s[1:] + motion.noise_m_s[:-1]
+    shorter_s = np.minimum(motion.lasts_s[1:], motion.lasts_s[:-1])
+    changes = _sizes(np.diff(motion.acceleration_m_s2, axis=0)) * np.where(np.isinf(shorter_s), 0.0, shorter_s)
+    is_cut = (_sizes(motion.begin_m_s[1:] - motion.end_m_s[:-1]) <= noise) & (changes <= noise)
+    first = np.flatnonzero(np.append(True, ~is_cut))
+    last = np.append(first[1:], len(motion.lasts_s)) - 1
+    return _Motion(
+        begin_m_s=motion.begin_m_s[first],
+        end_m_s=motion.end_m_s[last],
+        acceleration_m_s2=motion.acceleration_m_s2[first],
+        lasts_s=np.add.reduceat(motion.lasts_s, first),
+        noise_m_s=np.maximum.reduceat(motion.noise_m_s, first),
+        points=motion.points[first],
+    )
 
 
 def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violation]:
@@ -131,8 +152,12 @@ def _vertex_violations(
     asked, by_corner = np.maximum(*(_sizes(leg + spread) for leg in legs)), _sizes(spread)
     lateral = turns & (by_corner / corner_m_s2 > asked / limit)
     asked, limit = np.where(lateral, by_corner, asked), np.where(lateral, corner_m_s2, limit)
+    # beside legs that are cut off where the rounds begin and end, vertices are judged in another round
+    whole = np.ones(len(size), np.bool_)
+    whole[0] &= np.isinf(motion.lasts_s[0])
+    whole[-1] &= np.isinf(motion.lasts_s[-1])
     violations: dict[int, Violation] = {}
-    for j in np.flatnonzero((size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
+    for j in np.flatnonzero(whole & (size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
         kind: ViolationKind = "corner acceleration" if turns[j] else "acceleration"
         k = int(motion.points[j + 1])
         violations.setdefault(k, _told(kind, trajectory, k, float(asked[j]), float(limit[j]), "m/s2"))
