@@ -154,8 +154,8 @@ def _vertex_violations(
     asked, limit = np.where(lateral, by_corner, asked), np.where(lateral, corner_m_s2, limit)
     # beside legs that are cut off where the rounds begin and end, vertices are judged in another round
     whole = np.ones(len(size), np.bool_)
-    whole[0] &= np.isinf(motion.lasts_s[0])
-    whole[-1] &= np.isinf(motion.lasts_s[-1])
+    whole[:1] &= np.isinf(motion.lasts_s[:1])
+    whole[-1:] &= np.isinf(motion.lasts_s[-1:])
     violations: dict[int, Violation] = {}
     for j in np.flatnonzero(whole & (size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
         kind: ViolationKind = "corner acceleration" if turns[j] else "acceleration"
