@@ -30,9 +30,14 @@ def port(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
 
 
 @pytest.mark.slow  # four rounds of 28 s, five times as fast as the clock
-@pytest.mark.parametrize("given", ["wait_action=", "wait_action=noop:duration"], ids=["release", "noop"])
+@pytest.mark.parametrize(
+    # a wait is told some stops ahead, so that it cannot be as exact as a release
+    ("given", "most_late_s"),
+    [("wait_action=", 1.0), ("wait_action=noop:duration", 1.5)],
+    ids=["release", "noop"],
+)
 def test_three_keep_their_phase_for_four_rounds_while_one_dies(
-    port: int, given: str, monkeypatch: pytest.MonkeyPatch
+    port: int, given: str, most_late_s: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     make_ready()
     clock = FastTime(rate=5.0)
@@ -53,7 +58,7 @@ def test_three_keep_their_phase_for_four_rounds_while_one_dies(
     shift = with_foreign(port, clock, drive, given)
     assert [len(shift.late_s(name)) for name in NAMES] == [4, 4, 2]
     for name in NAMES:
-        assert max(map(abs, shift.late_s(name))) < 1.0
+        assert max(map(abs, shift.late_s(name))) < most_late_s
     assert shift.errors == []
     assert [text.split(":")[0] for text in shift.told] == ["c is lost"]
 
