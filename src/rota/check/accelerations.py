@@ -70,10 +70,17 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot) -> list[Violat
     motion = _motion_of(trajectory)
     corner_m_s2 = robot.motion.corner_acceleration_m_s2 or most_m_s2
     violations = _along_violations(trajectory, most_m_s2)
-    violations += _vertex_violations(trajectory, motion, most_m_s2, corner_m_s2)
-    if robot.motion.jerk_m_s3 is not None:
-        violations += _jerk_violations(trajectory, motion, robot.motion.jerk_m_s3)
+    violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2)
+    if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
+        # a loop's first point may be one on a leg; then what tells is the motion without it
+        without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3)
+        violations += [each for each in _jerk_violations(trajectory, motion, most_m_s3) if _is_among(each, without)]
     return violations
+
+
+def _is_among(one: Violation, others: list[Violation]) -> bool:
+    """Whether some of the others are at the same time."""
+    return any(one.time_s == other.time_s for other in others)
 
 
 def _motion_of(trajectory: Trajectory) -> _Motion:
@@ -98,18 +105,21 @@ def _motion_of(trajectory: Trajectory) -> _Motion:
     for_ever = _Motion(still, still, still, np.full(1, math.inf), np.zeros(1), np.full(1, count))
     if not loops or first > 0:
         motion = for_ever.joined(motion)
-    return _without_cuts(motion if loops else motion.joined(for_ever))
+    return motion if loops else motion.joined(for_ever)
 
 
-def _without_cuts(motion: _Motion) -> _Motion:
+def _without_cuts(motion: _Motion, at: int | None = None) -> _Motion:
     """The motion with legs as one where nothing but a point is between them: no jump of velocity or acceleration.
 
-    So the point at which a loop begins, in the midst of a leg, changes nothing of what can be driven.
+    So the point at which a loop begins, in the midst of a leg, changes nothing of what can be driven. at: only that
+    point of the trajectory; None: any.
     """
     noise = motion.noise_m_s[1:] + motion.noise_m_s[:-1]
     shorter_s = np.minimum(motion.lasts_s[1:], motion.lasts_s[:-1])
     changes = _sizes(np.diff(motion.acceleration_m_s2, axis=0)) * np.where(np.isinf(shorter_s), 0.0, shorter_s)
     is_cut = (_sizes(motion.begin_m_s[1:] - motion.end_m_s[:-1]) <= noise) & (changes <= noise)
+    if at is not None:
+        is_cut &= motion.points[1:] == at
     first = np.flatnonzero(np.append(True, ~is_cut))
     last = np.append(first[1:], len(motion.lasts_s)) - 1
     return _Motion(

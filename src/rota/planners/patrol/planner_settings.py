@@ -10,6 +10,7 @@ from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, setting
 from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.sun2019_settings import Sun2019
 from rota.refusals import Where, fleet_blocks, inner, robot_count, shown
+from rota.vehicles.presets import VEHICLES
 
 Effort = Literal["quick", "normal", "high"]
 if TYPE_CHECKING:
@@ -69,7 +70,19 @@ class PatrolSettings(PlannerSettings):
             message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
             yield ("fleet", "sensor", "shape"), message
         yield from _ways_to_turn(data)
+        yield from _starts_of_autopilots(data)
         yield from _too_much_reserve(data)
+
+
+def _starts_of_autopilots(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Starts of vehicles whose firmware is modelled: they fly to a corner of their loop by themselves."""
+    for where, block in fleet_blocks(data):
+        name = inner(block, "vehicle") or inner(data, "fleet", "vehicle")
+        if name in VEHICLES and VEHICLES[name].formats and inner(block, "start") is not None:
+            yield (
+                (*where, "start"),
+                f"patrol begins loops of {name} at their corners, where autopilots go first: remove it",
+            )
 
 
 def _ways_to_turn(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

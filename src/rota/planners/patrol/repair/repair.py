@@ -91,9 +91,7 @@ def plan_of(
     rounds = timed_rounds(curved(ways, problem.paths.grid, should_stop), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
-    trajectories = as_trajectories(rounds, names[: len(rounds)])
-    if problem.robot.body_radius_m == 0:
-        trajectories = begun_by_autopilots(ways, trajectories)
+    trajectories = begun_by_autopilots(ways, as_trajectories(rounds, names[: len(rounds)]))
     return Plan(
         mission=problem.mission,
         trajectories=trajectories,

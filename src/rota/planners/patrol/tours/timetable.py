@@ -13,7 +13,7 @@ from rota.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOWER
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
-from rota.planners.patrol.driving.polylines import timeable
+from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, timeable
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.planners.patrol.tours.tour import Pace, Tour
 
@@ -92,13 +92,20 @@ def as_trajectories(rounds: Sequence[TimedLine], names: Sequence[str]) -> tuple[
 
 
 def begun_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory]) -> tuple[Trajectory, ...]:
-    """The trajectories of robots that share tours evenly, of those with autopilots as these can begin them."""
+    """The trajectories of robots that share tours evenly, of those with autopilots as these can begin them.
+
+    Those stay as they are whose timing keeps bodies apart: by other phases, or slower than their autopilots fly.
+    """
     phases = ((tour, k / tour.robots) for tour in tours for k in range(tour.robots))
     begun = []
     for (tour, share), trajectory in zip(phases, trajectories, strict=True):
         driving = driving_of(tour.robot)
         made = None
-        if isinstance(driving, Auto):
-            made = driving.begun_at_a_corner(trajectory.robot, tour.vertices_m, share * trajectory.loop_duration_s)
+        if isinstance(driving, Auto) and trajectory.loop_duration_s > 0:
+            line = driving.timed(tour.vertices_m)
+            begins_m = line.at(np.array([share * line.duration_s]))[0]
+            as_fast = abs(line.duration_s - trajectory.loop_duration_s) <= SHORTEST_WAIT_S
+            if as_fast and np.hypot(*(begins_m - trajectory.positions_m[0])) <= SHORTEST_LEG_M:
+                made = driving.begun_at_a_corner(trajectory.robot, tour.vertices_m, share * line.duration_s)
         begun.append(made or trajectory)
     return tuple(begun)

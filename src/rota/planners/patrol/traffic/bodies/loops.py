@@ -117,6 +117,9 @@ def clocks(loops: Sequence[Loop]) -> list[Clock]:
     moving = [k for k, loop in enumerate(loops) if not loop.stays]
     if not moving:
         return [Clock([1] * len(loops), 1.0)]
+    if len(moving) == 1 and not loops[moving[0]].may_wait:
+        # as fast as it goes: autopilots cut corners as they do at that speed
+        return [Clock([1] * len(loops), loops[moving[0]].natural_s / loops[moving[0]].robots)]
     shortest_s = min(longest_s[k] for k in moving)
     by_headways: dict[tuple[float, ...], Clock] = {}
     for full_s in sorted({longest_s[k] for k in moving}):
