@@ -151,6 +151,7 @@ def _route_past_corners(trajectory: Trajectory, altitude_m: float) -> Route:
     """The route of a robot whose speed changes along its legs."""
 
     def stops_of(passed: list[PassedStop]) -> list[RouteStop]:
+        """A stop for each place that is passed, with the time that the plan has for the way there."""
         stops = [RouteStop(place_m=_place(passed[0], altitude_m), speed_m_s=None, hold_s=_hold_s(passed[0]))]
         for before, stop in itertools.pairwise(passed):
             stops.append(

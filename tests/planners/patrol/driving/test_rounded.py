@@ -16,7 +16,8 @@ from rota.motion_limits import MotionLimits
 from rota.plan import Trajectory
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.rounded import Rounded
-from rota.planners.patrol.driving.timed_line import TimedLine
+from rota.planners.patrol.driving.timed_line import TimedLine, started_at
+from rota.planners.patrol.tours.timetable import as_trajectories
 
 Floats = NDArray[np.float64]
 SQUARE = np.array([[0.0, 0], [50, 0], [50, 50], [0, 50]])
@@ -138,3 +139,22 @@ def test_a_start_from_rest_gets_to_its_speed_where_it_is_to() -> None:
     way = driving.run_up(np.array([10.0, 5.0]), np.array([0.0, 1.0]), 6.0)
     assert way.places_m[0] == pytest.approx([10, 5 - 6], abs=0.01)  # v^2 / (2 a)
     assert velocities(way)[1][-1] == pytest.approx([0, 6])
+
+
+def test_a_loop_may_begin_in_the_midst_of_any_leg() -> None:
+    # the same curves of tangents, begun anywhere: where a loop begins says nothing of what can be driven
+    rng = np.random.default_rng(5)
+    one = Robot(
+        name="r", speed_m_s=8, sensor=DiscSensor(radius_m=5),
+        motion=MotionLimits(acceleration_m_s2=3.0, corner_m=1.0),
+    )  # fmt: skip
+    for _ in range(20):
+        line = driving_of(one).timed(rng.uniform(0, 60, (6, 2)))
+        for phase_s in rng.uniform(0, line.duration_s, 10):
+            (begun,) = as_trajectories([started_at(line, float(phase_s))], ["r"])
+            assert acceleration_violations(begun, one) == []
+            # and what cannot be driven is found wherever it begins: a tenth faster
+            faster = started_at(line, float(phase_s))
+            hurried = TimedLine(faster.times_s / 1.1, faster.places_m, faster.accelerations_m_s2 * 1.21)
+            (begun,) = as_trajectories([hurried], ["r"])
+            assert acceleration_violations(begun, one)
