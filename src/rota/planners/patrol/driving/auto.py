@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rota.mission import Robot
 from rota.plan import Trajectory, Waypoints
 from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
-from rota.planners.patrol.driving.polylines import beside_legs, thinned
+from rota.planners.patrol.driving.polylines import driven_beside, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.blend_kernels import blends_of, corner_table, from_rest, sampled_round
@@ -53,11 +53,7 @@ class Auto:
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
-        corners_m = thinned(vertices_m)
-        if len(corners_m) == 1:
-            return corners_m, np.zeros((0, 2))
-        rows = self._rows(corners_m)
-        return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m)
+        return driven_beside(vertices_m, self._rows)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round, which begins and ends as the leg from the first corner begins."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -111,3 +113,15 @@ def beside_legs(line_m: Floats, leg: Ints, vertices_m: Floats) -> tuple[Floats, 
     cut_m = line_m[which] + share[:, None] * (line_m[which + 1] - line_m[which])
     turns = n * (np.floor((here + there) / 2) >= n)
     return np.vstack([cut_m, line_m[-1:]]), np.column_stack([here - turns, np.maximum(here, there) - turns])
+
+
+def driven_beside(vertices_m: Floats, rows_of: Callable[[Floats], Floats]) -> tuple[Floats, Floats]:
+    """A round past the corners of a closed polyline (n, 2), and beside what of it that is; see ``beside_legs``.
+
+    rows_of: of the corners (k, 2), k > 1, the rows (m, 5) of the round: seconds, x, y, acceleration, and the leg.
+    """
+    corners_m = thinned(vertices_m)
+    if len(corners_m) == 1:
+        return corners_m, np.zeros((0, 2))
+    rows = rows_of(corners_m)
+    return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m)

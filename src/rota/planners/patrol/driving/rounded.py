@@ -11,7 +11,7 @@ from rota.mission import Robot
 from rota.planners.patrol.driving import rounded_kernels as kernels
 from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
 from rota.planners.patrol.driving.corner_table_kernels import corner_table
-from rota.planners.patrol.driving.polylines import beside_legs, thinned
+from rota.planners.patrol.driving.polylines import driven_beside, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 
 Floats = NDArray[np.float64]
@@ -60,11 +60,7 @@ class Rounded:
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
-        corners_m = thinned(vertices_m)
-        if len(corners_m) == 1:
-            return corners_m, np.zeros((0, 2))
-        rows = self._rows(corners_m)
-        return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m)
+        return driven_beside(vertices_m, self._rows)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round as fast as it can be driven; it begins and ends where the rounding of the first corner ends."""
