@@ -10,10 +10,10 @@ from typing import NamedTuple
 from benchmarks.random_missions import random_mission
 from benchmarks.row import Options, Row
 from rota.errors import NoPlanFound
-from rota.make_plan import search_plan
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.methods import tours
-from rota.progress import SearchState
+from rota.planning.make_plan import search_plan
+from rota.planning.progress import SearchState
 
 MISSIONS = 100
 AFTER_S = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0)

@@ -15,13 +15,13 @@ from benchmarks.missions import DATA, write_real_mission
 from benchmarks.row import Options, Row
 from benchmarks.shell import rota
 from rota.files.text_map import text_map
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.group_count import count_groups
 from rota.planners.bounce.limit_cycles import limit_cycles, seen_by_cycles
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.make_plan import search_plan
 
 REPEATS = 5
 COUNT_S = {5: 0.5, 10: 10.0}

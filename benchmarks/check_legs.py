@@ -10,8 +10,8 @@ from shapely import box
 
 from benchmarks.row import Options, Row
 from rota.check.separation import separation_violations
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 LEGS = (1000, 4000, 16000)
 

@@ -68,7 +68,7 @@ def first_run(folder: str) -> None:
     """Plan, check and draw."""
     from rota.draw import draw_plan
     from rota.files.mission_file import read_mission
-    from rota.make_plan import search_plan
+    from rota.planning.make_plan import search_plan
 
     mission = read_mission(EXAMPLE).mission.with_effort("quick")
     plan = search_plan(mission).plan

@@ -13,8 +13,8 @@ from benchmarks.shell import rota
 from benchmarks.warm_cache import measured_warm
 from rota.exports import FORMATS
 from rota.files.plan_file import write_plan
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot
+from rota.model.plan import Plan, Trajectory
 
 ROBOTS, POINTS, MOST_S = 20, 100_000, 5.0
 NOT_FOR_IT = ("create2-sketch",)  # takes plans of bouncing robots

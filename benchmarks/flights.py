@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.row import Options, Row
-from rota.plan import Floats
-from rota.route import RouteStop
+from rota.model.plan import Floats
+from rota.routes.route import RouteStop
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.facts import Fact
 from rota.vehicles.motion import Way, Wind

@@ -15,8 +15,8 @@ from rota.live.driving import Driving
 from rota.live.keeping import Keeping
 from rota.live.ready import make_ready
 from rota.live.watch import Watch
-from rota.make_plan import make_plan
-from rota.plan import Plan
+from rota.model.plan import Plan
+from rota.planning.make_plan import make_plan
 
 ROUNDS, MOST_LATE_S = 10, 1.0
 REAL_TIME = FastTime()

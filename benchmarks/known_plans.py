@@ -20,8 +20,8 @@ from rota.check import check_plan
 from rota.errors import RotaError
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Sensor, SquareSensor, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Sensor, SquareSensor, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings

@@ -19,8 +19,8 @@ from benchmarks.row import Options, Row
 from rota.files.timed_places import instant_text
 from rota.links.link_settings import make_link
 from rota.links.mavlink_vehicle import MavlinkVehicle
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 MESSAGES, KINDS = 100_000, 1000
 MOST_KEPT_KB = 100.0

@@ -13,7 +13,7 @@ from benchmarks.row import Options, Row
 from benchmarks.sun_cases import CASES, write_case
 from rota import read_mission
 from rota.check import check_plan
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts

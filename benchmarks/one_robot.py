@@ -22,8 +22,8 @@ from benchmarks.row import Options, Row
 from benchmarks.warm_cache import measured_warm
 from rota.check import check_plan
 from rota.files.plan_file import read_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan, Trajectory
 
 SIDE_M, RADIUS_M = 120.0, 5.0
 BLOCKS = ((30, 60, 45, 85), (75, 30, 100, 45))  # left, bottom, right, top in metres

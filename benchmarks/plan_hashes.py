@@ -23,7 +23,7 @@ from benchmarks.missions import example_missions
 from benchmarks.random_missions import random_mission
 from benchmarks.sun_cases import CASES, FIGURE_16, write_case
 from rota.errors import RotaError
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 RANDOM_MISSIONS = 60

@@ -14,8 +14,8 @@ from shapely import box
 
 from benchmarks.row import Options, Row
 from rota import SwarmSettings, check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.playback.page import page_text
 from rota.playback.playback import playback_of
 

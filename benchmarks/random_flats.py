@@ -14,10 +14,10 @@ from benchmarks.bounce_joint_maps import cpu_s
 from benchmarks.row import Options, Row
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.plan import Plan
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.make_plan import search_plan
 
 FLATS = 20
 PURPOSES = ("periods", "worst_gap", "basin")

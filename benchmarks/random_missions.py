@@ -14,7 +14,7 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon, affinity, box
 
 from rota.errors import MissionError
-from rota.mission import Blocks, Demand, DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor, Zone
+from rota.model.mission import Blocks, Demand, DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor, Zone
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 DRAWS = 1000  # of one seed, until a mission is fair

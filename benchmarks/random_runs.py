@@ -22,9 +22,9 @@ from rota.engines.processes import WorkerDied
 from rota.engines.workers import workers
 from rota.errors import NoPlanFound, RotaError
 from rota.files.plan_file import plan_from_text, plan_text
-from rota.make_plan import search_plan
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
+from rota.planning.make_plan import search_plan
 
 PATIENCE_S = 600.0  # for one mission: a search that takes longer is stopped, and counts as failed
 

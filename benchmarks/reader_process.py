@@ -17,8 +17,8 @@ from benchmarks.mutated_missions import mutated
 from rota.errors import RotaError
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import plan_from_text, plan_text
-from rota.mission import Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 
 
 def main() -> None:

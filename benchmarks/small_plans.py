@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from shapely import box
 
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
-from rota.motion_limits import MotionLimits
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
+from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner_settings import SwarmSettings

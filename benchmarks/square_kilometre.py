@@ -13,8 +13,8 @@ import numpy as np
 from shapely import box
 
 from rota.files.plan_file import write_plan
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 SIDE_M, BLOCK_M = 1000.0, (500.0, 100.0)
 RADIUS_M, SPEED_M_S, PERIOD_S = 10.0, 10.0, 320.0

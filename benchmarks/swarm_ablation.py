@@ -24,7 +24,7 @@ from benchmarks.swarm_coverage import mission
 from benchmarks.swarm_rest import DIAMETERS_M, covered, door, grid, like, places_of
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission, Obstacle, StartBox
+from rota.model.mission import Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of
 

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
 from rota.geometry.free_space import free_ground
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings

@@ -14,7 +14,7 @@ from shapely import MultiPolygon, box
 
 from benchmarks.peer_environment import peer_answer
 from benchmarks.row import Options, Row
-from rota.mission import DiscSensor, Fleet, ImportanceMap, Mission
+from rota.model.mission import DiscSensor, Fleet, ImportanceMap, Mission
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import Controller, SwarmSettings
 

@@ -16,7 +16,7 @@ from benchmarks.row import Options, Row
 from benchmarks.swarm_coverage import mission
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
-from rota.mission import DiscSensor, Mission, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings

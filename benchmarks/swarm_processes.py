@@ -14,13 +14,13 @@ import numpy as np
 from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
-from rota.fleet import DiscSensor, Fleet, Robot, SquareSensor, StartBox
-from rota.mission import Mission
+from rota.model.fleet import DiscSensor, Fleet, Robot, SquareSensor, StartBox
+from rota.model.mission import Mission
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import scene_for
 from rota.planners.swarm.nodes.telling import SIZE
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
+from rota.planning.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 PORT = 48_600
 MOST_MS, RATE_HZ, SLACK_HZ, WITHIN = 5.0, 10.0, 0.05, 0.02

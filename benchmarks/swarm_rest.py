@@ -10,7 +10,7 @@ from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
 from benchmarks.swarm_coverage import mission
-from rota.mission import DiscSensor, Mission, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings

@@ -15,7 +15,6 @@ import numpy as np
 from benchmarks.row import Options, Row
 from benchmarks.swarm_step import speedup_row
 from rota.files.mission_file import read_mission
-from rota.plan_summary import range_at_the_end
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import Beginning
@@ -23,6 +22,7 @@ from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
+from rota.planning.plan_summary import range_at_the_end
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "swarm-space.yaml"
 ROBOTS, STEPS, SETTLING_STEPS, MOST_US = 100_000, 7, 10, 20.0

@@ -16,7 +16,7 @@ from rota.engines.workers import calls_at_once, workers
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import plan_text
 from rota.files.sweep_file import read_sweep
-from rota.make_plan import search_plan
+from rota.planning.make_plan import search_plan
 from rota.sweep.cells import Cell, cells_of
 from rota.sweep.results import Results
 from rota.sweep.run import run_sweep

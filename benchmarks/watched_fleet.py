@@ -14,8 +14,8 @@ from rota.links.sending import routes_for, send_all, start_all
 from rota.live.session import Session
 from rota.live.watch import Watch
 from rota.live.watch_log import LogWriter
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 ROBOTS, RATE_HZ = 200, 5
 WARM_S, MEASURED_S = 20.0, 60.0

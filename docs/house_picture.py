@@ -18,7 +18,6 @@ from typing import NamedTuple
 from tests.test_house import MODULES, PATROL, imported_modules
 
 PICTURE = Path(__file__).with_name("house.svg")
-TYPES = "types"  # the modules beside the packages that import no package
 BOX_W, GAP_X, LANE_W, GAP_Y, LINE_H, PAD = 200, 22, 14, 46, 15, 9
 SWEEPS = 40
 HEAD = ' marker-end="url(#head)"'
@@ -67,21 +66,6 @@ def _arrows(room_of: Mapping[str, str]) -> Arrows:
         arrows[room] |= {room_of[name] for name in imported_modules(module) if name in room_of} - {room}
     imported = set().union(*arrows.values())
     return {room: others for room, others in arrows.items() if others or room in imported}
-
-
-def with_types_joined(arrows: Arrows) -> tuple[Arrows, list[str]]:
-    """The arrows with one box for all modules that import no package, directly or not; and those modules."""
-    low = sorted(room for room in arrows if all(f"rota.{name}" in MODULES and not _is_package(name)
-                                                for name in {room} | reached(arrows, room)))  # fmt: skip
-    joined: Arrows = {TYPES: set()}
-    for room, others in arrows.items():
-        if room not in low:
-            joined[room] = {TYPES if other in low else other for other in others}
-    return joined, low
-
-
-def _is_package(room: str) -> bool:
-    return MODULES[f"rota.{room}"].name == "__init__.py"
 
 
 def reached(arrows: Arrows, room: str) -> set[str]:
@@ -270,10 +254,8 @@ def _wires(point: Point, layout: Layout) -> list[str]:
 
 def picture() -> str:
     """The SVG: the house above, patrol's rooms below."""
-    arrows, low = with_types_joined(house_arrows())
-    texts = {room: said_of(f"rota.{room}") for room in arrows if room != TYPES}
-    texts[TYPES] = textwrap.wrap(", ".join(low), 29)
-    house = panel("rota", arrows, texts)
+    arrows = house_arrows()
+    house = panel("rota", arrows, {room: said_of(f"rota.{room}") for room in arrows})
     rooms = patrol_arrows()
     patrol = panel("rota.planners.patrol", rooms, {room: said_of(f"{PATROL}.{room}") for room in rooms})
     width, height = max(house.width, patrol.width) + 40, house.height + patrol.height + 100

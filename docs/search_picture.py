@@ -18,7 +18,7 @@ from rota.draw.house_style import house_style
 from rota.draw.mission_picture import draw_mission
 from rota.draw.palette import OVER_PERIOD, route_style
 from rota.files.mission_file import read_mission
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.annealing.schedule import anneal_all
 from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context, begin_search

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rota.plan import Trajectory
+from rota.model.plan import Trajectory
 
 OFF_M = 0.05
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rota.mission import Mission
-from rota.plan import Plan
-from rota.planner import Answer, Planner, Request
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol import PatrolPlanner
+from rota.planning.planner import Answer, Planner, Request
 
 
 class StandIn(PatrolPlanner):

@@ -45,8 +45,8 @@ from shapely import MultiPolygon, box
 from tests.vehicles.recorded import recorded_flights, recorded_tracks
 
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission, StartBox
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, StartBox
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.swarm.starts import place_starts
 

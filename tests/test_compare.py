@@ -15,15 +15,15 @@ from tests.stand_in import standing_in
 
 from rota.command.cli import run
 from rota.compare import HEAD, compare_methods, comparison_table, draw_outcomes, named_methods
-from rota.distinct_loops import distinct_loops
 from rota.errors import MissionError, NoPlanFound
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
-from rota.planner import Planner
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planning.planner import Planner
+from rota.routes.distinct_loops import distinct_loops
 
-MAKE_PLAN = importlib.import_module("rota.make_plan")
+MAKE_PLAN = importlib.import_module("rota.planning.make_plan")
 YARD = """\
 rota: 1
 name: yard

@@ -18,7 +18,7 @@ from shapely import LineString, Point, box, union_all
 from rota.command.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
-from rota.mission import DiscSensor, Mission
+from rota.model.mission import DiscSensor, Mission
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.swarm.planner_settings import SwarmSettings

@@ -17,7 +17,7 @@ from rota.check.revisits import worst_gaps_s
 from rota.command.cli import run
 from rota.export_bag import full_period_s, ground_grids
 from rota.files.plan_file import write_plan
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 
 def loops(*durations_s: float, start_s: float = 0.0) -> Plan:

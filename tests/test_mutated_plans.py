@@ -24,9 +24,9 @@ from shapely.geometry.base import BaseGeometry
 from rota.check import DemandVerdict, check_plan, report_schema, report_table, report_to_json
 from rota.errors import PlanError
 from rota.files.plan_file import plan_from_text, plan_to_json
-from rota.limits import LARGEST_M
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.limits import LARGEST_M
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 
 # without the digest of the mission, which would refuse most mutations at once
 DOCUMENTS = [

@@ -17,8 +17,8 @@ from rota.command.cli import run
 from rota.errors import MissionError, PlanError
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.plan_file import read_plan
-from rota.planner import planner_named
-from rota.planner_registry import door_of, offered_planners, planner_names
+from rota.model.planner_registry import door_of, offered_planners, planner_names
+from rota.planning.planner import planner_named
 
 CONTRIBUTING = Path(__file__).parents[1] / "docs" / "contributing.md"
 BLOCK = re.compile(r"^ *```(\w+)\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
@@ -31,10 +31,10 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from rota.plan import Plan, Trajectory
-from rota.planner import Answer, Planner
-from rota.planner_settings import PlannerSettings, setting
-from rota.refusals import inner
+from rota.model.plan import Plan, Trajectory
+from rota.planning.planner import Answer, Planner
+from rota.model.planner_settings import PlannerSettings, setting
+from rota.model.refusals import inner
 
 
 @dataclass(frozen=True, kw_only=True)

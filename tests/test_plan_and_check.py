@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 from shapely import MultiPoint, MultiPolygon, Polygon, affinity, box
 
 import rota
-from rota.mission import Blocks, DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.model.mission import Blocks, DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]

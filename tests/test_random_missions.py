@@ -10,7 +10,7 @@ import shapely
 from benchmarks.random_missions import described, is_fair, random_mission, sweeping
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 COURT = Mission(

@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.cell_map import cell_map_of
+from rota.cells.cell_map import cell_map_of
 from rota.check import check_plan
 from rota.draw.sightings import Sightings
 from rota.errors import MissionError
 from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import plan_from_json, plan_to_json
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, StartBox
-from rota.plan import Plan, Trajectory
-from rota.plan_summary import range_at_the_end, range_from
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, StartBox
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planning.plan_summary import range_at_the_end, range_from
 
 CONE = DiscSensor(radius_m=40, half_angle_deg=30)
 EXAMPLE = Path(__file__).parents[1] / "examples" / "swarm-space.yaml"

@@ -16,7 +16,7 @@ from benchmarks.create2.robot import BOOT_TICKS, TICK_US, Create2, Faults
 from benchmarks.create2.uno import Uno, build_core, build_simulator, build_sketch
 from rota.files.create2_legs import Drive, drives_of
 from rota.files.create2_sketch import write_create2_sketches
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 

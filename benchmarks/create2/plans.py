@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from shapely import MultiPolygon, box, union_all
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 
 STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))

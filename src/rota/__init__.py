@@ -5,9 +5,6 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-# eager, and cheap: the submodule of this name would otherwise hide the function once anything imports it
-from rota.make_plan import make_plan, search_plan
-
 if TYPE_CHECKING:
     from rota.check import check_plan
     from rota.draw import animate_plan, draw_cells, draw_plan
@@ -17,7 +14,7 @@ if TYPE_CHECKING:
     from rota.files.mission_file import read_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
-    from rota.mission import (
+    from rota.model.mission import (
         DiscSensor,
         Fleet,
         GeoPoint,
@@ -31,11 +28,12 @@ if TYPE_CHECKING:
         StartPoints,
         Zone,
     )
-    from rota.motion_limits import MotionLimits
-    from rota.plan import Plan, Trajectory
+    from rota.model.motion_limits import MotionLimits
+    from rota.model.plan import Plan, Trajectory
     from rota.planners.bounce.planner_settings import BounceSettings
     from rota.planners.patrol.planner_settings import PatrolSettings
     from rota.planners.swarm.planner_settings import SwarmSettings
+    from rota.planning.make_plan import make_plan, search_plan
 
 __all__ = [
     "BounceSettings",
@@ -85,7 +83,7 @@ _MODULES = {
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
     "rota.files.checkpoint_file": ["read_checkpoint", "write_checkpoint"],
-    "rota.mission": [
+    "rota.model.mission": [
         "DiscSensor",
         "Fleet",
         "GeoPoint",
@@ -99,11 +97,12 @@ _MODULES = {
         "StartPoints",
         "Zone",
     ],
-    "rota.motion_limits": ["MotionLimits"],
-    "rota.plan": ["Plan", "Trajectory"],
+    "rota.model.motion_limits": ["MotionLimits"],
+    "rota.model.plan": ["Plan", "Trajectory"],
     "rota.planners.bounce.planner_settings": ["BounceSettings"],
     "rota.planners.patrol.planner_settings": ["PatrolSettings"],
     "rota.planners.swarm.planner_settings": ["SwarmSettings"],
+    "rota.planning.make_plan": ["make_plan", "search_plan"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

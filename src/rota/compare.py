@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rota.distinct_loops import distinct_loops
 from rota.errors import MissionError, NoPlanFound, RotaError
-from rota.make_plan import search_plan
-from rota.mission import Mission
-from rota.plan import Plan
-from rota.planner import planner_named, planner_of
-from rota.planner_registry import DEFAULT
-from rota.stopping import StopRule
+from rota.model.mission import Mission
+from rota.model.plan import Plan
+from rota.model.planner_registry import DEFAULT
+from rota.planning.make_plan import search_plan
+from rota.planning.planner import planner_named, planner_of
+from rota.planning.stopping import StopRule
+from rota.routes.distinct_loops import distinct_loops
 
 if TYPE_CHECKING:
     from rota.check.report import Report

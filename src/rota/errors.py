@@ -33,10 +33,10 @@ class LinkError(RotaError):
 class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
     """No plan that meets the demand was found; the message gives the reason and the proved bound.
 
-    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``facts``: what the planner knows
-    beside it, as sentences. ``checkpoint``: of a run that ended before it came to rest (a
-    ``rota.checkpoint.Checkpoint``), or None. ``report``: the check's on the best plan (a ``rota.check.Report``); None
-    where the search was stopped before the check came to its end.
+    ``best`` is the best plan found all the same (a ``rota.Plan``), or None. ``facts``: what the planner knows beside
+    it, as sentences. ``checkpoint``: of a run that ended before it came to rest (a
+    ``rota.planning.checkpoint.Checkpoint``), or None. ``report``: the check's on the best plan (a
+    ``rota.check.Report``); None where the search was stopped before the check came to its end.
     """
 
     def __init__(

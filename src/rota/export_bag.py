@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rota.files.ros.bags import Storage
     from rota.files.ros.grids import GroundGrid
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 GRID_CELLS, LEAST_CELLS = 40_000, 2_500
 CELLS_BY_POINTS = 500_000_000  # a gap at a place takes the longer the more timed points there are
@@ -68,7 +68,7 @@ def full_period_s(plan: Plan) -> float:
 
 def ground_grids(plan: Plan) -> dict[str, GroundGrid]:
     """By topic: where robots may drive, and each place's worst gap in percent of its period."""
-    from rota.cell_map import cell_map_of
+    from rota.cells.cell_map import cell_map_of
     from rota.draw.gap_map import gap_map
     from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
 

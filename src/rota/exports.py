@@ -18,8 +18,8 @@ from rota.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
 if TYPE_CHECKING:
     from rota.files.dji_waylines import WaylineSettings
     from rota.files.vda5050_files import OrderSettings
-    from rota.plan import Plan
-    from rota.planner_settings import Settings
+    from rota.model.plan import Plan
+    from rota.model.planner_settings import Settings
 
 
 def geojson(plan: Plan) -> str:
@@ -70,7 +70,7 @@ def create2_programs(plan: Plan, folder: str) -> tuple[Path, ...]:
 
 def covering_time(plan: Plan) -> str | None:
     """How long robots that only react take to cover their ground; None of robots that do not bounce."""
-    from rota.planner import planner_of
+    from rota.planning.planner import planner_of
 
     return planner_of(plan.mission).covering_time(plan)
 
@@ -291,7 +291,7 @@ def placed_plan(plan: Plan, origin: str) -> Plan:
     """The plan with its mission at LAT,LON; RotaError for other text, and for a mission elsewhere."""
     from dataclasses import replace
 
-    from rota.mission import GeoPoint
+    from rota.model.mission import GeoPoint
 
     try:
         lat, lon = (float(number) for number in origin.split(","))

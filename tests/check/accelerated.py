@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 
 def accelerated(trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:

@@ -13,9 +13,9 @@ from rota.check.accelerations import acceleration_violations
 from rota.check.motion import speed_violations
 from rota.check.report import Violation
 from rota.check.tolerances import OFF_M
-from rota.mission import DiscSensor, Robot
-from rota.motion_limits import MotionLimits
-from rota.plan import Trajectory
+from rota.model.mission import DiscSensor, Robot
+from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Trajectory
 
 Floats = NDArray[np.float64]
 

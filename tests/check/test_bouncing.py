@@ -12,8 +12,8 @@ from shapely import box
 from rota import BounceSettings
 from rota.check import Report, check_plan, report_table, report_to_json
 from rota.check.bounce_floor import Floor, crossed, heading_moves
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.plan import Plan, Trajectory
 
 
 def kinds(report: Report) -> list[str]:

@@ -23,8 +23,8 @@ from rota.check import (
     tiled_ground,
 )
 from rota.check.revisits import worst_gaps_s
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
+from rota.model.plan import Plan, Trajectory
 
 
 def strip_tour(width: float, height: float, gap: float, margin: float) -> NDArray[np.float64]:

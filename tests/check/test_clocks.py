@@ -14,8 +14,8 @@ from tests.check.accelerated import accelerated
 from rota import BounceSettings, PatrolSettings
 from rota.check import Report, check_plan
 from rota.check.clocks import clock_margin_s
-from rota.mission import DiscSensor, Fleet, Mission, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 BODY_M = 0.5

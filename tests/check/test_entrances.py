@@ -16,8 +16,8 @@ from rota.check.standing import standing_area_of, standing_areas
 from rota.errors import MissionError
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.plan import Plan, Trajectory
 
 WALLS = box(14, 3, 18, 7) - box(14.5, 3.5, 17.5, 6.5)
 Entrances = tuple[tuple[float, float], ...] | None

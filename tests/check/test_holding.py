@@ -11,11 +11,11 @@ import pytest
 import shapely
 from shapely import MultiPolygon, box
 
+from rota.cells.importance_cells import importance_in_range
 from rota.check import check_plan, report_table, report_to_json
 from rota.check.holding import Holding, holding_of, shadows
-from rota.importance_cells import importance_in_range
-from rota.mission import DiscSensor, Fleet, ImportanceMap, Mission, Obstacle, Robot, SquareSensor, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, ImportanceMap, Mission, Obstacle, Robot, SquareSensor, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 SIZE_M, REACH_M, BODY_M = 40.0, 10.0, 0.5

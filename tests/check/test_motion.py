@@ -10,8 +10,8 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.check.motion import _row_ahead, motion_violations, segment_distances
 from rota.check.report import Violation
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan, Trajectory
 
 BLOCK = box(4, 4, 6, 6)
 

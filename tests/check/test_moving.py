@@ -12,8 +12,8 @@ from tests.check.accelerated import accelerated
 
 from rota import SwarmSettings
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot
+from rota.model.plan import Plan, Trajectory
 
 SENSOR = DiscSensor(radius_m=5)
 

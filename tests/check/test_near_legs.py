@@ -9,8 +9,8 @@ from shapely import LineString, box
 
 from rota.check import near_legs as near
 from rota.check.routes import TRANSIENT, Routes, routes_of
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 
 def random_plan(rng: np.random.Generator) -> Plan:

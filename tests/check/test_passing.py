@@ -12,8 +12,8 @@ from shapely import MultiPolygon, box
 from rota.check import check_plan, revisits
 from rota.check.pieces import Pieces
 from rota.check.revisits import passing_gaps, piece_gaps, point_pieces, sights_of
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 
 def behind_a_slit(*, turns_m: float, robots: int = 1) -> Plan:

@@ -10,8 +10,8 @@ from shapely import MultiPolygon, box
 
 from rota import SwarmSettings
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 SENSOR = DiscSensor(radius_m=10)
 

@@ -13,7 +13,7 @@ from rota.check.arrays import SeenTimes
 from rota.check.recorded import RecordedTrack, check_recording
 from rota.check.window_kernels import gap_within
 from rota.errors import PlanError
-from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Zone
 
 Floats = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from rota.check.demands import visits
 from rota.check.pieces import Pieces, convex_pieces, joined, quartered
 from rota.check.revisits import loop_gap, piece_gaps, point_pieces, sights_of, worst_gaps_s
 from rota.check.routes import classes_in_step, commensurable_classes, routes_of
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
+from rota.model.plan import Plan, Trajectory
 
 
 def mission(sensor: Sensor, *obstacles: Polygon, size: float = 100.0) -> Mission:

@@ -15,8 +15,8 @@ from tests.check.accelerated import all_accelerated
 from rota.check import check_plan, revisits
 from rota.check.pieces import convex_pieces
 from rota.check.revisits import piece_gaps, point_pieces, sights_of, worst_gaps_s
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
+from rota.model.plan import Plan, Trajectory
 
 STEP_S = 0.02
 

@@ -14,8 +14,8 @@ from rota.check.seeable import LEAST_SPREAD_M, SeeableGround, seeable
 from rota.check.standing import standing, standing_areas
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+from rota.model.plan import Plan, Trajectory
 
 
 def mission(area: Polygon, *obstacles: Obstacle, body: float = 0.0, sensor: Sensor | None = None) -> Mission:

@@ -13,8 +13,8 @@ from tests.check.accelerated import accelerated
 from rota import PatrolSettings, SwarmSettings
 from rota.check.report import Violation
 from rota.check.separation import separation_violations
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 
 def violations(*trajectories: Trajectory, body: float = 0.5) -> list[Violation]:

@@ -7,8 +7,8 @@ import pytest
 from shapely import MultiPolygon, box, unary_union
 
 from rota.check import check_plan, get_ready, seeable, standing, tiled_ground
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan, Trajectory
 
 COLUMNS = [box(x, y, x + 1, y + 1) for x in (4, 9, 14) for y in (4, 8)]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rota.check.timing_kernels import time_along
-from rota.plan import Trajectory
+from rota.model.plan import Trajectory
 
 
 @pytest.mark.parametrize("bend", [-1.0, -0.999999, -0.3, -1e-12, 0.0, 1e-12, 0.5, 0.999999, 1.0])

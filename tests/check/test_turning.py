@@ -11,8 +11,8 @@ from shapely import MultiPolygon, box
 
 from rota.check.motion import motion_violations
 from rota.check.report import Violation
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 RADIUS_M = 5.0

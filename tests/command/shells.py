@@ -15,7 +15,7 @@ from typing import Any
 
 from rota.command.cli import run
 from rota.live.watch_log import LogReader
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 PATIENCE_S = 120.0
 

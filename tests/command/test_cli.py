@@ -30,12 +30,12 @@ from rota.command.interrupt import stop_on_interrupt
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan, write_plan
-from rota.mission import Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner_settings import SwarmSettings
 
-MAKE_PLAN = importlib.import_module("rota.make_plan")
+MAKE_PLAN = importlib.import_module("rota.planning.make_plan")
 YARD = """\
 rota: 1
 name: yard
@@ -332,7 +332,7 @@ def test_ctrl_c_without_a_passing_plan_writes_only_with_best(
 STOPPED_AT = """
 import importlib, os, signal, sys
 from rota.command.cli import run
-make_plan = importlib.import_module("rota.make_plan")
+make_plan = importlib.import_module("rota.planning.make_plan")
 ask, planner_of, asked = make_plan.StopRule.__call__, make_plan.planner_of, 0
 def counted(self):
     global asked
@@ -391,12 +391,12 @@ def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int
 
 DEAF = """
 import importlib, os, signal, sys, time
-from rota import stopping
+from rota.planning import stopping
 from rota.command.cli import run
 from rota.command.ending import leave
 from rota.files.mission_file import read_mission
-from rota.plan import Plan, Trajectory
-from rota.planner import Planner
+from rota.model.plan import Plan, Trajectory
+from rota.planning.planner import Planner
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup has programs ignore
 stopping.GRACE_S, asked = 0.3, []
 class Deaf(Planner):
@@ -411,7 +411,7 @@ class Deaf(Planner):
         {stop}
         while True:
             pass
-for module in ("rota.planner", "rota.make_plan", "rota.command.plan"):
+for module in ("rota.planning.planner", "rota.planning.make_plan", "rota.command.plan"):
     setattr(importlib.import_module(module), "planner_of", lambda mission: Deaf())
 if {stall}:
     import rota.check
@@ -572,7 +572,7 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
     script = (
         "import importlib, os, signal, sys\n"
         "from rota.command.cli import run\n"
-        "from rota.planner import Planner\n"
+        "from rota.planning.planner import Planner\n"
         "class Deaf(Planner):\n"
         "  settings = None\n"
         "  def plan(self, request):\n"
@@ -582,7 +582,7 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
         "    sys.stderr.write('still here\\n')\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('deaf\\n')\n"
-        "for module in ('rota.planner', 'rota.make_plan'):\n"
+        "for module in ('rota.planning.planner', 'rota.planning.make_plan'):\n"
         "  importlib.import_module(module).planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
@@ -824,7 +824,7 @@ def test_help_names_formats_and_exit_codes_and_cuts_no_line(capsys: pytest.Captu
 def test_a_cold_cache_is_told(
     plan_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from rota.compiled_cache import is_compiled
+    from rota.compiled.compiled_cache import is_compiled
 
     assert run(["check", str(plan_path)]) == 0
     capsys.readouterr()

@@ -14,8 +14,8 @@ from rota.check import check_plan
 from rota.command.cli import run
 from rota.command.executed import executed_plan, in_phase_every
 from rota.files.plan_file import write_plan
-from rota.mission import DiscSensor, Fleet, Mission, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot
+from rota.model.plan import Plan, Trajectory
 
 SENSOR = DiscSensor(radius_m=6)
 

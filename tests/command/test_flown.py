@@ -13,7 +13,7 @@ from rota.check import check_plan
 from rota.command.cli import run
 from rota.files.executed.plan_as_flown import plan_as_flown
 from rota.files.plan_file import write_plan
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 from rota.vehicles.motion import Wind
 from rota.vehicles.presets import ARDUCOPTER
 

@@ -12,7 +12,7 @@ from tests.files.two_robots import two_robots
 
 from rota.command.cli import run
 from rota.files.plan_file import write_plan
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.ros2.node import CHOSEN_BY, stay_on_loopback
 
 

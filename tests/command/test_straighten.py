@@ -11,8 +11,8 @@ from tests.vehicles.small_plans import winding
 
 from rota.command.cli import run
 from rota.files.plan_file import read_plan, write_plan
-from rota.mission import Obstacle
-from rota.plan import Plan
+from rota.model.mission import Obstacle
+from rota.model.plan import Plan
 
 
 def corridor(north_m: float) -> Plan:

@@ -8,9 +8,9 @@ from tests.vehicles.small_plans import square
 
 from rota import BounceSettings
 from rota.command.without_mass import without_mass
-from rota.mission import Zone
-from rota.motion_limits import AT_ONCE, MotionLimits
-from rota.plan import Plan
+from rota.model.mission import Zone
+from rota.model.motion_limits import AT_ONCE, MotionLimits
+from rota.model.plan import Plan
 
 HEAVY = MotionLimits(acceleration_m_s2=3)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shapely import Point, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.plan import Plan, Trajectory
 
 
 def loop(name: str, corners: list[tuple[float, float]], speed_m_s: float, phase: float = 0.0) -> Trajectory:

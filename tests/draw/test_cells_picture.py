@@ -12,12 +12,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.quiver import Quiver
 from shapely import box
 
+from rota.cells.entered_cells import entries_of_cells, faced_cells
 from rota.draw.cells_picture import cells_figure, draw_cells
 from rota.draw.plan_picture import plan_figure
-from rota.entered_cells import entries_of_cells, faced_cells
 from rota.errors import PlanError
-from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 

@@ -9,7 +9,7 @@ import pytest
 
 from rota.draw.comparison_picture import NO_PLAN, Panel, comparison_figure, draw_comparison
 from rota.errors import RotaError
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def panel(title: str, plan: Plan | None, *, met: bool = True) -> Panel:

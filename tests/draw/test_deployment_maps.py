@@ -15,8 +15,8 @@ from rota.draw import animate_plan, draw_plan
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import covered_colour, is_deployment
 from rota.draw.plan_picture import plan_figure
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 LENS_M2 = 2 * 10**2 * math.acos(15 / 20) - 7.5 * math.sqrt(4 * 10**2 - 15**2)  # of two discs of 10 m, 15 m apart

@@ -7,8 +7,8 @@ import pytest
 from shapely import box
 
 from rota.draw.routes import arrowheads, corner_times_s, corners, positions_at, routes_of
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 SQUARE = np.array([(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)], float)
 

@@ -11,12 +11,12 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from shapely import Polygon, box
 
-from rota.cell_map import neighbours
+from rota.cells.cell_map import neighbours
 from rota.draw.gap_map import gap_legend, gap_map
 from rota.draw.palette import AREA_EDGE
 from rota.draw.plan_picture import draw_gaps
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan, Trajectory
 
 
 def axes():

@@ -12,7 +12,7 @@ from rota.draw.film_frames import FilmFrames
 from rota.draw.gif_file import FLAT, MIXED, palette_of, write_gif
 from rota.draw.house_style import house_style
 from rota.draw.palette import ROUTE_COLOURS
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def written(frames: np.ndarray, palette: np.ndarray, path: Path) -> list[np.ndarray]:

@@ -19,7 +19,7 @@ from rota.draw.film_frames import FilmFrames
 from rota.draw.plan_film import film_times_s
 from rota.draw.routes import positions_at
 from rota.errors import RotaError
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 
 def stand_in(folder: Path, script: str) -> None:

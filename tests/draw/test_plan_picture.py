@@ -24,9 +24,9 @@ from rota.draw.route_lines import route_label
 from rota.draw.routes import routes_of
 from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import RotaError
-from rota.mission import DiscSensor, Fleet, Mission, Zone
-from rota.plan import Plan, Trajectory
-from rota.plan_summary import robot_rows, rounded
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan, Trajectory
+from rota.planning.plan_summary import robot_rows, rounded
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
 

@@ -9,7 +9,7 @@ import pytest
 
 from rota.draw.progress_picture import draw_progress, progress_figure
 from rota.errors import RotaError
-from rota.progress import ProgressPoint, SearchState, progress_curve
+from rota.planning.progress import ProgressPoint, SearchState, progress_curve
 
 
 def points() -> tuple[ProgressPoint, ...]:

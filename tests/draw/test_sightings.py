@@ -9,11 +9,11 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
 
-from rota.cell_map import cell_map_of
+from rota.cells.cell_map import cell_map_of
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
 from rota.draw.sightings import Sightings, in_range
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
+from rota.model.plan import Plan
 
 
 def mission_with(*shapes: shapely.Geometry, sensor: DiscSensor | SquareSensor, blocks: str = "both") -> Mission:

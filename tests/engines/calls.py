@@ -7,7 +7,7 @@ import signal
 import time
 from pathlib import Path
 
-from rota.stopping import OwnThread
+from rota.planning.stopping import OwnThread
 
 
 def doubled(value: int) -> int:

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.checkpoint import Checkpoint
 from rota.errors import CheckpointError
 from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planning.checkpoint import Checkpoint
 
 SEED = 2**70
 

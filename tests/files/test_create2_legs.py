@@ -15,8 +15,8 @@ from rota.errors import PlanError
 from rota.files.create2_course import Surroundings, stretches_of
 from rota.files.create2_driven import Driven, touching_legs
 from rota.files.create2_legs import BODY_RADIUS_M, driven, drives_of
-from rota.mission import Obstacle
-from rota.plan import Plan
+from rota.model.mission import Obstacle
+from rota.model.plan import Plan
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 ROOM = TypedMap(rows=("....", "....", "...."), cell_m=0.5)

@@ -16,7 +16,7 @@ from shapely import LinearRing, box
 
 from rota.exports import FORMATS, covering_time
 from rota.files.create2_reactive import program_texts, write_create2_programs
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 ROOM = TypedMap(rows=("....", "....", "...."), cell_m=0.5)
 needs_tools = pytest.mark.skipif(bool(missing_tools()), reason=f"missing: {missing_tools()}")

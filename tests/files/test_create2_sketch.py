@@ -19,8 +19,8 @@ from rota.files import create2_sketch
 from rota.files.create2_legs import drives_of
 from rota.files.create2_sketch import sketch_texts, write_create2_sketches
 from rota.files.mission_file import read_mission
-from rota.make_plan import make_plan
-from rota.plan import Plan
+from rota.model.plan import Plan
+from rota.planning.make_plan import make_plan
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
 CLOSET = """

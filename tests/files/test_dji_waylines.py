@@ -20,8 +20,8 @@ from tests.files.with_mass import CORNERS, ONCE, with_mass
 from rota.errors import PlanError, RotaError
 from rota.files import dji_waylines
 from rota.files.dji_waylines import WaylineSettings, write_dji_waylines
-from rota.mission import GeoPoint
-from rota.plan import Plan, Trajectory
+from rota.model.mission import GeoPoint
+from rota.model.plan import Plan, Trajectory
 
 GEOD = Geod(ellps="WGS84")
 NAMES = {"k": "http://www.opengis.net/kml/2.2", "w": "http://www.dji.com/wpmz/1.0.2"}

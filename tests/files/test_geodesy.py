@@ -6,7 +6,7 @@ from pyproj import Geod
 
 from rota.errors import MissionError
 from rota.files.geodesy import Projection, projection_for
-from rota.mission import GeoPoint
+from rota.model.mission import GeoPoint
 
 GEOD = Geod(ellps="WGS84")
 

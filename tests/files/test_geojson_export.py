@@ -17,8 +17,8 @@ from rota.errors import MissionError, RotaError
 from rota.files.geodesy import Projection
 from rota.files.geojson import geojson_text, plan_to_geojson, write_geojson
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 ORIGIN = GeoPoint(lat=53.5413871, lon=9.9836)

@@ -16,7 +16,7 @@ from rota.errors import MissionError
 from rota.files.geodesy import Projection
 from rota.files.height_map import read_height_map
 from rota.files.raster_map import GEO_KEYS, NO_DATA, PIXEL_SCALE, TIE_POINT
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 DOUBLE, SHORT, ASCII = 12, 3, 2  # types of TIFF's fields

@@ -14,7 +14,7 @@ from rota import Plan, Trajectory
 from rota.errors import MissionError, PlanError
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import plan_from_text, plan_text
-from rota.mission import ImportanceMap, Mission
+from rota.model.mission import ImportanceMap, Mission
 
 MISSION = """\
 rota: 1

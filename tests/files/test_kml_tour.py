@@ -17,7 +17,7 @@ from tests.files.two_robots import ORIGIN, ROBOTS, two_robots, with_heights
 from rota.errors import PlanError
 from rota.files.geodesy import Projection
 from rota.files.kml_tour import kml_text
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def placemarks(plan: Plan, folder: str, **options: Any) -> list[Any]:

@@ -14,7 +14,7 @@ from rota.files.example_mission import example_mission_text
 from rota.files.geodesy import Projection
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.yaml_text import parse_text
-from rota.mission import DiscSensor, GeoPoint, Robot, SquareSensor
+from rota.model.mission import DiscSensor, GeoPoint, Robot, SquareSensor
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 

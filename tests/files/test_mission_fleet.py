@@ -11,8 +11,8 @@ import yaml
 
 from rota.errors import MissionError
 from rota.files.mission_file import mission_schema, read_mission
-from rota.fleet import DiscSensor, Fleet
-from rota.motion_limits import AT_ONCE, MotionLimits
+from rota.model.fleet import DiscSensor, Fleet
+from rota.model.motion_limits import AT_ONCE, MotionLimits
 from rota.vehicles.presets import VEHICLES
 
 

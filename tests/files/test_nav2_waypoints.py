@@ -15,7 +15,7 @@ from tests.files.two_robots import two_robots, with_heights
 
 from rota.errors import PlanError
 from rota.files.nav2_waypoints import write_nav2_waypoints, yaml_number
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 

@@ -19,7 +19,7 @@ from shapely import MultiPolygon, Polygon, box
 from rota.errors import PlanError, RotaError
 from rota.files import plan_schema as fields
 from rota.files.plan_file import plan_from_json, plan_from_text, plan_text, plan_to_json, read_plan, write_plan
-from rota.mission import (
+from rota.model.mission import (
     DiscSensor,
     Fleet,
     GeoPoint,
@@ -32,8 +32,8 @@ from rota.mission import (
     StartPoints,
     Zone,
 )
-from rota.motion_limits import AT_ONCE, MOTION_FIELDS, MotionLimits
-from rota.plan import Plan, Trajectory
+from rota.model.motion_limits import AT_ONCE, MOTION_FIELDS, MotionLimits
+from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner_settings import SwarmSettings

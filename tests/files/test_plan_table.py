@@ -12,7 +12,7 @@ from tests.files.two_robots import ORIGIN, ROBOTS, two_robots, with_heights
 from rota.files.executed.timed_files import as_csv
 from rota.files.plan_table import csv_text
 from rota.files.spreadsheet_cells import as_cell, from_cell
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def rows_of(plan: Plan) -> list[dict[str, str]]:

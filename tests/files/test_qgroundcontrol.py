@@ -20,8 +20,8 @@ from shapely import MultiPolygon, Polygon, box
 from rota.errors import PlanError, RotaError
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol, write_qgroundcontrol
 from rota.files.rings import circle_ring
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 ORIGIN = GeoPoint(lat=-33.8567844, lon=151.2152967)

@@ -12,10 +12,10 @@ import pytest
 from rota.errors import MissionError
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.plan_schema import plan_schema
-from rota.planner import planner_named
-from rota.planner_registry import PLANNERS
-from rota.planner_settings import settings_of
+from rota.model.planner_registry import PLANNERS
+from rota.model.planner_settings import settings_of
 from rota.planners.patrol.method_table import METHODS
+from rota.planning.planner import planner_named
 
 # the blocks as they were written out by hand, with references resolved
 BEFORE = json.loads(Path(__file__).with_name("settings_of_version_1.json").read_text())

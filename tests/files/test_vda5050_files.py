@@ -14,7 +14,7 @@ from tests.files.two_robots import two_robots, with_heights
 
 from rota.errors import MissionError, PlanError
 from rota.files.vda5050_files import OrderSettings, write_vda5050_orders
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 
 def lines_of(plan: Plan, folder: Path, settings: OrderSettings | None = None, **options: Any) -> list[list[Any]]:

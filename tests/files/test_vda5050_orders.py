@@ -15,11 +15,11 @@ from vda5050.identity import VehicleKey
 from vda5050.model.order import Order
 from vda5050.validation.schema_validator import SchemaValidator
 
-from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.vda5050_orders import NumberedStops, Span, Vehicle, Window, base_end, order_message, order_messages
 from rota.files.vda5050_versions import Protocol, WaitAction
-from rota.route import Route, RouteStop, route_of
+from rota.routes.driven_route import from_start
+from rota.routes.route import Route, RouteStop, route_of
 
 ORDER = "0c6c9a2e-order"
 VEHICLE = Vehicle(serial_number="robot-1", manufacturer="Rota", map_id="quay")

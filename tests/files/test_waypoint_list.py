@@ -17,7 +17,7 @@ from rota.files.executed.plan_as_driven import plan_as_driven
 from rota.files.plan_file import write_plan
 from rota.files.qgroundcontrol import write_qgroundcontrol
 from rota.files.waypoint_list import write_waypoint_lists
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 WAYPOINT, JUMP = 16, 177
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from shapely import MultiPolygon, Polygon, box
 
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 ORIGIN = GeoPoint(lat=-33.8567844, lon=151.2152967)

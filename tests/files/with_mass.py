@@ -8,9 +8,9 @@ import numpy as np
 from tests.driven_with_mass import rounded
 from tests.files.two_robots import two_robots
 
-from rota.mission import Robot
-from rota.motion_limits import MotionLimits
-from rota.plan import Plan
+from rota.model.mission import Robot
+from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Plan
 
 CORNERS = np.array([[0.0, 0.0], [100.0, 20.0], [90.0, 80.0], [0.0, 50.0]])
 ONCE = np.array([[-60.0, -60.0], [-60.0, 0.0], [0.0, 0.0]])

@@ -19,7 +19,7 @@ from rota.geometry.free_space import (
     standing_parts,
     standing_space,
 )
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 
 
 def mission(area, *obstacles, zones=(), period_s=60.0):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from shapely import MultiPolygon, box
 
 from rota.links.link import Link, Report
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
-from rota.route import Route, route_of
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
+from rota.routes.route import Route, route_of
 
 ORIGIN = GeoPoint(lat=48.1, lon=11.5)
 ALTITUDE_M = 25.0

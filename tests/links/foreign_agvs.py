@@ -16,13 +16,13 @@ from shapely import box
 from tests.links.fast_time import FastTime
 from tests.links.fleets import plan_of
 
-from rota.driven_route import from_start
 from rota.links.link import Link
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
-from rota.mission import Zone
-from rota.plan import Plan, Trajectory
-from rota.route import route_of
+from rota.model.mission import Zone
+from rota.model.plan import Plan, Trajectory
+from rota.routes.driven_route import from_start
+from rota.routes.route import route_of
 
 FOLDER = Path(__file__).parent / "virtual_agv"
 

@@ -12,7 +12,7 @@ from tests.links.fleets import ALTITUDE_M, loop_of, plan_of, routes_of
 from rota.errors import LinkError
 from rota.links.flights import Flights
 from rota.links.link import Report
-from rota.route import Place3
+from rota.routes.route import Place3
 
 PAD = {"a": (0.0, 100.0, 0.0), "b": (3.0, 100.0, 0.0)}
 LAYER = ALTITUDE_M + 3.0

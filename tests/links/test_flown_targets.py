@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rota.links.rounded_track import RoundedTrack
-from rota.plan import Trajectory
+from rota.model.plan import Trajectory
 
 HERE = Path(__file__).parent
 BEHIND_S = 0.04

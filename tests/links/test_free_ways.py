@@ -10,7 +10,7 @@ from tests.links.fleets import ALTITUDE_M, loop_of, plan_of
 
 from rota.errors import PlanError
 from rota.links.free_ways import APART_M, LAYER_M, LayeredWay, layered_ways
-from rota.mission import Mission, Obstacle
+from rota.model.mission import Mission, Obstacle
 
 SHED = box(40, -50, 60, 50)
 

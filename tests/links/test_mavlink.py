@@ -26,8 +26,8 @@ from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.mavlink_address import addresses
 from rota.links.sending import first_reports, routes_for, send_all, start_all
-from rota.mission import Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Obstacle
+from rota.model.plan import Plan, Trajectory
 
 pytestmark = pytest.mark.mavsdk
 ARDUPILOT = mav.MAV_AUTOPILOT_ARDUPILOTMEGA

@@ -19,7 +19,7 @@ from rota.links.flights import Flights
 from rota.links.link_settings import make_link
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
-from rota.plan import Waypoints
+from rota.model.plan import Waypoints
 
 pytestmark = pytest.mark.mavsdk
 COPTER = Script(firmware=mav.MAV_AUTOPILOT_ARDUPILOTMEGA, flies=True, position=(481000000, 114998657, 0))

@@ -14,7 +14,7 @@ from tests.links.fleets import ALTITUDE_M, loop_of, plan_of, routes_of, staying
 from rota.errors import RotaError
 from rota.links.link_settings import make_link
 from rota.links.ros2_route import TimedPath, path_differences, timed_path
-from rota.route import route_of
+from rota.routes.route import route_of
 
 LOOP = timed_path(routes_of(plan_of(loop_of("a", 0.0)))[0])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rota.links.rounded_track import RoundedTrack
-from rota.plan import Trajectory
+from rota.model.plan import Trajectory
 
 
 def corner(angle_deg: float, speed_m_s: float) -> Trajectory:

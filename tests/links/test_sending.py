@@ -11,7 +11,7 @@ from tests.links.fleets import routes_of, three
 from rota.errors import LinkError
 from rota.links.link_settings import make_link
 from rota.links.sending import command_all, first_reports, routes_for, send_all, start_all
-from rota.route import Route
+from rota.routes.route import Route
 
 
 class Recording:

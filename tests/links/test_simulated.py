@@ -15,7 +15,7 @@ from tests.links.fleets import dropped, loop_of, plan_of, reports_until, routes_
 from rota.errors import LinkError, RotaError
 from rota.links.link import Report
 from rota.links.link_settings import make_link
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 EXACT = ("clock=0", "speed_noise=0", "position_noise_m=0", "delay_s=0")
 

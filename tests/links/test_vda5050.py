@@ -21,7 +21,7 @@ from rota.errors import LinkError, PlanError, RotaError
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
 from rota.links.vda5050 import ended
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 LOOP = [(60.0, 0.0), (60.0, 20.0), (0.0, 20.0), (0.0, 0.0)]
 

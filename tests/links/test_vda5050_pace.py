@@ -11,8 +11,8 @@ import pytest
 from rota.files.vda5050_orders import NumberedStops, Window
 from rota.links.leg_times import Leg, LegTimes
 from rota.links.vda5050_pace import AHEAD_S, MOST_ROOM_S, Pace
-from rota.plan import Trajectory
-from rota.route import Route, RouteStop, route_of
+from rota.model.plan import Trajectory
+from rota.routes.route import Route, RouteStop, route_of
 
 STEP_S = 0.1
 ZERO_S = 1000.0  # of the clock, when the plan starts

@@ -22,7 +22,7 @@ from rota.errors import LinkError, RotaError
 from rota.files.vda5050_versions import VERSION_2_1
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 HOLD_M, HOLD_S = (60.0, 0.0), (17.0, 20.0)  # where the loop waits, and from when to when by plan
 TRIGGERED = {

@@ -17,7 +17,7 @@ from rota.live.driving import Driving
 from rota.live.keeping import Keeping, Order, Slack
 from rota.live.notices import Notice, NoticeKind, RobotState, Standing
 from rota.live.watch import Watch
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def state(name: str, lag_s: float, standing: Standing = "ok") -> RobotState:

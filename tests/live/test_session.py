@@ -15,7 +15,7 @@ from rota.live.session import Session, replay
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
 from rota.live.watch_log import LogReader, LogWriter
-from rota.route import route_of
+from rota.routes.route import route_of
 
 FAULTS = "faults=b:dies@12+a:nan@40"
 

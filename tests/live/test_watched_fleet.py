@@ -16,8 +16,8 @@ from rota.live.events import Dropped, Event, Heard, Tick
 from rota.live.notices import Notice, lag_text, state_line, summary
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
-from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 SILENT_S = 3.0
 

@@ -8,8 +8,8 @@ from shapely import box
 
 from rota.draw.routes import positions_at
 from rota.live.events import Event, Heard, Tick
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 LENGTH_M, SPEED_M_S = 100.0, 5.0
 ROUND_S = 2 * LENGTH_M / SPEED_M_S  # 40 s; with two robots an end of the lane is passed every 20 s

@@ -18,7 +18,8 @@ from rota import search_plan
 from rota.command.cli import run
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.patrol_progress import (
     COLUMNS,
     PatrolProgress,
@@ -28,11 +29,10 @@ from rota.papers.patrol_progress import (
     progress_to_json,
 )
 from rota.papers.sun2019 import figure_13
-from rota.plan import Plan, Trajectory
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.progress import SearchState
+from rota.planning.progress import SearchState
 
-MAKE_PLAN = importlib.import_module("rota.make_plan")
+MAKE_PLAN = importlib.import_module("rota.planning.make_plan")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 YARD = """\
 rota: 1

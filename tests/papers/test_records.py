@@ -11,9 +11,9 @@ import pytest
 from shapely import box
 
 from rota.errors import RotaError
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.records import Job, Record, Records, RecordsFile, drawn_ways, mission_digest, plan_digest, read_records
-from rota.plan import Plan, Trajectory
 
 RUN = {"what": "sum", "seed": 1}
 

@@ -14,8 +14,8 @@ from rota.draw.palette import OBSTACLE, ZONE_TINTS
 from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
 from rota.draw.panels.study_picture import study_figure, study_picture
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.plan import Plan
 
 BLUE, GREEN = "#0072B2", "#009E73"
 

@@ -6,8 +6,8 @@ from shapely import Point, box
 from tests.draw.conftest import loop
 
 from rota import SwarmSettings
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
+from rota.model.plan import Plan, Trajectory
 
 
 def yard() -> Plan:

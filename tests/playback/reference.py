@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.draw.routes import positions_at
-from rota.mission import DiscSensor
-from rota.plan import Plan
+from rota.model.mission import DiscSensor
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Json = dict[str, Any]

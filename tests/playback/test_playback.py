@@ -16,8 +16,8 @@ from tests.playback.reference import ages_looked_up_s, ages_s, centres_m
 
 from rota import check_plan
 from rota.check.revisits import worst_gaps_s
-from rota.mission import Obstacle
-from rota.plan import Plan
+from rota.model.mission import Obstacle
+from rota.model.plan import Plan
 from rota.playback import page
 from rota.playback.cells import NO_CELL
 from rota.playback.container import packed, unpacked

@@ -19,7 +19,7 @@ from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_s
 
 from rota import Plan, check_plan
-from rota.mission import MovingObstacle
+from rota.model.mission import MovingObstacle
 from rota.playback.container import unpacked
 from rota.playback.page import page_text
 

@@ -19,7 +19,7 @@ from tests.files.two_robots import two_robots
 
 from rota.errors import PlanError
 from rota.files.ros.wire import Messages
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 from rota.ros2.player import Player
 
 BEGIN_NS = 1_777_636_800_000_000_000

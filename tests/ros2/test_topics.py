@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from tests.files.two_robots import two_robots
 
-from rota.cell_map import cell_map_of
+from rota.cells.cell_map import cell_map_of
 from rota.draw.sightings import Sightings
 from rota.files.plan_file import write_plan
 from rota.files.ros.bags import write_rosbag2

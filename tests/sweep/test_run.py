@@ -146,7 +146,7 @@ def test_whatever_goes_wrong_is_a_row(
     def search_plan(*_: Any, **__: Any) -> None:
         raise error
 
-    monkeypatch.setattr(import_module("rota.make_plan"), "search_plan", search_plan)
+    monkeypatch.setattr(import_module("rota.planning.make_plan"), "search_plan", search_plan)
     mission = cells_with(tmp_path, 1)[0].combination.mission
     assert mission is not None
     (planned,) = planned_cells.planned_cells([Task(mission, 0, None)], planned_cells.version("rota"))

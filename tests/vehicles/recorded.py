@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rota.plan import Floats
-from rota.route import RouteStop
+from rota.model.plan import Floats
+from rota.routes.route import RouteStop
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.facts import Fact, Vehicle
 from rota.vehicles.motion import Motion, Way, Wind

@@ -6,8 +6,8 @@ import numpy as np
 from shapely import box
 from tests.files.two_robots import ORIGIN
 
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 
 SIDE_M, SPEED_M_S = 60.0, 8.0
 ROUND_S = 4 * SIDE_M / SPEED_M_S

@@ -10,7 +10,7 @@ import shapely
 from tests.vehicles.recorded import copter, loop_way, recorded_corners, recorded_flights, recorded_tracks
 
 from rota.errors import RotaError
-from rota.route import RouteStop
+from rota.routes.route import RouteStop
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.motion import Motion, Way, Wind

@@ -7,7 +7,7 @@ import pytest
 from tests.vehicles.small_plans import square, winding
 
 from rota.errors import RotaError
-from rota.plan import Floats, Trajectory
+from rota.model.plan import Floats, Trajectory
 from rota.vehicles.straight_ways import straightened
 
 

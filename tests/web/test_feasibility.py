@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import shapely
 
-from rota.mission import DiscSensor, Fleet, Mission, Robot, StartBox, StartPoints
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, StartBox, StartPoints
 from rota.web.tasks.feasibility import doubtful, hopeless
 
 SIDE_M = 100.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rota.files.geodesy import Projection
-from rota.mission import GeoPoint
+from rota.model.mission import GeoPoint
 
 pytestmark = pytest.mark.browser
 

@@ -9,8 +9,8 @@ from rota.check.report import DemandVerdict, Report, Violation, report_schema, r
 from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
-    from rota.plan import Plan
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
 
 __all__ = [
     "DemandVerdict",

@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 from rota.check.report import Violation, violation
 from rota.check.tolerances import ACCELERATION_TOLERANCE, FLOAT_EPS, OFF_M, STILL_M, TURN_TOLERANCE_RAD
 from rota.check.turning import MOST_PER_ROBOT
-from rota.mission import Robot
-from rota.plan import Trajectory
-from rota.violation_kinds import ViolationKind
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory
+from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

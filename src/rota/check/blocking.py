@@ -10,7 +10,7 @@ from typing import Any
 
 import shapely
 
-from rota.mission import Obstacle
+from rota.model.mission import Obstacle
 
 
 @functools.lru_cache(maxsize=4)

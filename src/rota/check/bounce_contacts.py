@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.check.bounce_floor import Floor
 from rota.check.tolerances import SAME_TIME, TOUCH_M
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

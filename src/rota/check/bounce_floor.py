@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import EDGE_RAD, FLOAT_EPS, SAME_CELL, TOUCH_M
-from rota.mission import Bouncing, Mission
+from rota.model.mission import Bouncing, Mission
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import AHEAD_M, ALONG_WALL, BOUNCE_TOLERANCE_RAD, STILL_M, TOUCH_M
-from rota.mission import Mission
-from rota.plan import Trajectory
-from rota.violation_kinds import ViolationKind
+from rota.model.mission import Mission
+from rota.model.plan import Trajectory
+from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 

@@ -20,9 +20,9 @@ from rota.check.bounce_floor import Floor
 from rota.check.bounce_lines import Walls, line_violations
 from rota.check.report import Violation, violation
 from rota.check.tolerances import BOUNCE_TOLERANCE_RAD, TOUCH_M
-from rota.mission import Bouncing
-from rota.plan import Plan, Trajectory
-from rota.violation_kinds import ViolationKind
+from rota.model.mission import Bouncing
+from rota.model.plan import Plan, Trajectory
+from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -19,7 +19,7 @@ from rota.check.near_legs import near_ways
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of
 from rota.check.tolerances import CLOCK_TOLERANCE, PARALLEL, STILL_M2_S2, TOUCH_M
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, difference, distance, intersection, points, un
 
 from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
-from rota.mission import AREA, Demand, Mission
+from rota.model.mission import AREA, Demand, Mission
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import shapely
 
 from rota.check.report import Violation, violation
 from rota.check.standing import near_entrance_m, near_way_in_m, standing_area_of
-from rota.plan import Plan
-from rota.violation_kinds import ViolationKind
+from rota.model.plan import Plan
+from rota.model.violation_kinds import ViolationKind
 
 
 def entrance_violations(plan: Plan) -> list[Violation]:

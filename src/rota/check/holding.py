@@ -18,8 +18,8 @@ from rota.check.importance import importance_in_range
 from rota.check.routes import lines_of, segments_of
 from rota.check.standing import standing_area_of
 from rota.check.tolerances import NO_LENGTH, SLIVER_M, TOUCH_M
-from rota.mission import DiscSensor, Mission, Robot, Sensor
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Mission, Robot, Sensor
+from rota.model.plan import Plan
 
 STEPS = 64  # per quarter of a circle
 SAME_AREA = math.sqrt(math.pi / (2 * STEPS * math.sin(math.pi / (2 * STEPS))))  # of a circle and a polygon round it

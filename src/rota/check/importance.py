@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import ImportanceMap, Mission
+from rota.model.mission import ImportanceMap, Mission
 
 PLACES = 2**19  # at which the ground is asked
 

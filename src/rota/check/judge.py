@@ -28,8 +28,8 @@ from rota.check.standing import standing_areas
 from rota.check.tiled_ground import FINEST_M, tile_and_refine
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
-from rota.mission import Mission, StartBox, StartPoints
-from rota.plan import Plan
+from rota.model.mission import Mission, StartBox, StartPoints
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

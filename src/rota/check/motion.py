@@ -18,9 +18,9 @@ from rota.check.routes import lines_of, segments_of
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
 from rota.check.turning import MOST_PER_ROBOT, turn_radius_violations, turn_violations
-from rota.mission import Mission, Robot
-from rota.plan import Plan, Trajectory
-from rota.violation_kinds import ViolationKind
+from rota.model.mission import Mission, Robot
+from rota.model.plan import Plan, Trajectory
+from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

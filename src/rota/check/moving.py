@@ -13,8 +13,8 @@ from rota.check.approach import gaps_at, nearest_shares
 from rota.check.report import Violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import TOUCH_M
-from rota.mission import MovingObstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import MovingObstacle
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rota.check.report import Violation, violation
 from rota.check.routes import TRANSIENT, Routes
 from rota.check.tolerances import SAME_TIME, TOUCH_M
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 

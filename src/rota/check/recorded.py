@@ -16,7 +16,7 @@ from rota.check.revisits import sights_along
 from rota.check.routes import LOOP, Routes
 from rota.check.tiled_ground import tile_and_refine
 from rota.errors import PlanError
-from rota.mission import DiscSensor, Mission
+from rota.model.mission import DiscSensor, Mission
 
 Floats = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.holding import Holding
-from rota.plan import EndReason, RunEnd
-from rota.violation_kinds import ViolationKind
+from rota.model.plan import EndReason, RunEnd
+from rota.model.violation_kinds import ViolationKind
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100

@@ -22,8 +22,8 @@ from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import GRID_MARGIN_M, ROUNDING, slack_of
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 
 MOST_GRID_CELLS = 1_000_000
 MOST_ALONE = 200  # pieces that one thread looks at by itself

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from shapely import get_coordinates, get_parts, get_rings, linestrings, points
 
 from rota.check.tolerances import FLOAT_EPS, SAME_RATIO, SAME_STEP
-from rota.mission import DiscSensor
-from rota.plan import Plan
+from rota.model.mission import DiscSensor
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -18,7 +18,7 @@ from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
 from rota.check.standing import StandingArea, standing_areas
 from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, slack_of
-from rota.mission import DiscSensor, Mission, Obstacle, Sensor
+from rota.model.mission import DiscSensor, Mission, Obstacle, Sensor
 
 MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
 MOST_GRID_CELLS = 250_000

@@ -17,7 +17,7 @@ from rota.check.arrays import Floats
 from rota.check.blocking import blocks_motion
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import TOUCH_M
-from rota.mission import Fleet, Mission, Obstacle, Robot, Sensor
+from rota.model.mission import Fleet, Mission, Obstacle, Robot, Sensor
 
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 

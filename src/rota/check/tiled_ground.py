@@ -19,7 +19,7 @@ from rota.check.revisits import Sights
 from rota.check.seeable import has_many_sides, seeable_ground
 from rota.check.standing import standing_areas
 from rota.check.tolerances import PERIOD_TOLERANCE, SLIVER_SHARE, slack_of
-from rota.mission import DiscSensor, Mission
+from rota.model.mission import DiscSensor, Mission
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 FLOAT_EPS = float(np.finfo(np.float64).eps)  # float64 rounds a number by up to this share of it
 

@@ -17,8 +17,8 @@ from rota.check.tolerances import (
     TURN_OFF_SHARE,
     TURN_TOLERANCE_RAD,
 )
-from rota.mission import Robot
-from rota.plan import Trajectory
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -14,8 +14,8 @@ from rota.command.terminal import STANDARD_STREAM
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from rota.mission import Mission
-    from rota.plan import Plan
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
 
 PICTURES = (".png", ".svg", ".pdf")
 

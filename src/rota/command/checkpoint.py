@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rota.command.terminal import say
 
 if TYPE_CHECKING:
-    from rota.checkpoint import Checkpoint
+    from rota.planning.checkpoint import Checkpoint
 
 PLAN_SUFFIX, CHECKPOINT_SUFFIX = ".rota.json", ".rota-run"
 

@@ -41,12 +41,12 @@ from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.command.watch import watch
 from rota.errors import RotaError
 from rota.exports import export_format
-from rota.stopping import OwnThread
+from rota.planning.stopping import OwnThread
 
 if TYPE_CHECKING:
     from rota.command.executed import Executed
     from rota.command.flown import ByVehicle
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
@@ -105,7 +105,7 @@ def plan(
     from rota.files.atomic_write import require_suffix
     from rota.files.checkpoint_file import read_checkpoint
     from rota.files.mission_file import read_mission
-    from rota.planner import planner_of
+    from rota.planning.planner import planner_of
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     require_target(target, source=mission)

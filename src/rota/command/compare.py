@@ -26,7 +26,7 @@ def compare(
     from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
     from rota.files.atomic_write import require_suffix
     from rota.files.mission_file import read_mission
-    from rota.planner import planner_of
+    from rota.planning.planner import planner_of
 
     if output is not None:
         require_suffix(output, PICTURES, "a picture")

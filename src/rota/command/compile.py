@@ -13,7 +13,7 @@ import typer
 from rota.command.terminal import Bar, mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
-    from rota.planner import Planner
+    from rota.planning.planner import Planner
 
 LOOK_EVERY_S = 0.5
 
@@ -26,10 +26,10 @@ def compile_kernels(
     """Compile ahead what a first plan and its check wait for."""
     from rota.compiled.code_cache import cache_folder, is_writable
     from rota.errors import NoPlanFound, RotaError
-    from rota.first_run import compiled_by_two
-    from rota.make_plan import search_plan
-    from rota.planner import planner_named
-    from rota.planner_registry import PLANNERS
+    from rota.model.planner_registry import PLANNERS
+    from rota.planning.first_run import compiled_by_two
+    from rota.planning.make_plan import search_plan
+    from rota.planning.planner import planner_named
     from rota.vehicles.compile_ahead import fly_a_square
 
     doors = {name: planner_named(name) for name in planners or PLANNERS}
@@ -50,8 +50,8 @@ def compile_kernels(
 @contextmanager
 def compiled_first(planner: Planner, packages: Sequence[str]) -> Iterator[None]:
     """Before the planner works, compile what it takes unless these packages are compiled, and show what is compiled."""
-    from rota.compiled_cache import is_compiled
-    from rota.first_run import compiled_by_two
+    from rota.compiled.compiled_cache import is_compiled
+    from rota.planning.first_run import compiled_by_two
 
     mention_compiling(*packages)
     with ExitStack() as held:

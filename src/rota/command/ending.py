@@ -19,7 +19,7 @@ from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, NOBODY_READS, OUR_
 from rota.command.interrupt import signalled_code
 from rota.command.terminal import say
 from rota.errors import NoPlanFound, RotaError
-from rota.stopping import work_left_running
+from rota.planning.stopping import work_left_running
 
 # what the machine lacks, whatever Rota does: room on the disk, a disk that works, files that may be open
 OF_THE_MACHINE = {

@@ -14,7 +14,7 @@ from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.check import Report, Violation
-    from rota.plan import Floats, Plan, Trajectory
+    from rota.model.plan import Floats, Plan, Trajectory
 
 SAME_S = 1e-6  # of a round, that is not worth a word
 HOUR_S = 3600.0

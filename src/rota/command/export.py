@@ -17,7 +17,7 @@ from rota.vehicles.presets import ARDUCOPTER
 
 if TYPE_CHECKING:
     from rota.command.executed import Executed
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 FORMATS_HELP = f"One of {', '.join(FORMATS)}; see below."
 # \b keeps the lines as they are

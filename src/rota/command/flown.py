@@ -14,7 +14,7 @@ from rota.errors import RotaError
 if TYPE_CHECKING:
     from rota.check import Report
     from rota.files.executed.plan_as_flown import RobotFlown
-    from rota.plan import Plan
+    from rota.model.plan import Plan
     from rota.vehicles.facts import Vehicle
     from rota.vehicles.motion import Wind
 

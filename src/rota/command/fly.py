@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from rota.command.fly_along import Along
     from rota.links.free_ways import LayeredWay
     from rota.links.link import Link
-    from rota.plan import Plan
-    from rota.route import Route
+    from rota.model.plan import Plan
+    from rota.routes.route import Route
 
 FAR_FROM_START_M = 20.0  # from where its route begins; nothing has been planned for a robot's way there
 LONGEST_ANSWER = 1000  # bytes

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rota.live.keeping import Keeping
     from rota.live.notices import Notice
     from rota.live.watch import Watch
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 ROOM = 0.03  # by which robots can be faster than the clock of all
 NEWS_EVERY_S = 10.0

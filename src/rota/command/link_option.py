@@ -15,7 +15,7 @@ from rota.links.names import LINKS
 
 if TYPE_CHECKING:
     from rota.links.link import Link
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 TROUBLE_S = 0.5  # between two looks at whether a link is in trouble
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rota.command.terminal import say
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 def plan_for_mission(plan: Plan, mission: Path) -> Plan:

@@ -12,7 +12,7 @@ from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.check.report import Report
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 PARTIAL_SUFFIX = ".partial.rota.json"
 SHARE = 0.1  # of a search's time at most goes into writing, but for the first plan

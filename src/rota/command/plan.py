@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from rota.check import Report
-    from rota.checkpoint import Checkpoint
-    from rota.make_plan import PlanSearch
-    from rota.mission import Mission
-    from rota.plan import Plan
-    from rota.planner import Answer
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
+    from rota.planning.checkpoint import Checkpoint
+    from rota.planning.make_plan import PlanSearch
+    from rota.planning.planner import Answer
 
 
 def plan_and_write(
@@ -40,7 +40,7 @@ def plan_and_write(
     metrics: where the measures of every step of a swarm are written to, as CSV. executor: as ``search_plan`` takes it.
     """
     from rota.command.interrupt import stop_on_interrupt
-    from rota.make_plan import search_plan
+    from rota.planning.make_plan import search_plan
 
     histories: list[Any] = []  # the measures of every step
     partial, bar = PartialPlan(target), Bar(None)
@@ -81,7 +81,7 @@ def _without_plan(
     failure: NoPlanFound, target: str, ended: int, best: bool, resumed: str | None, partial: PartialPlan
 ) -> int:
     """What there is after a search that found no plan: with ``--best`` its best one, else that beside the target."""
-    from rota.planner import Answer
+    from rota.planning.planner import Answer
 
     checkpoint: Checkpoint | None = failure.checkpoint  # type: ignore[assignment]
     plan: Plan | None = failure.best  # type: ignore[assignment]
@@ -149,7 +149,7 @@ def _write_metrics(histories: list[Any], path: str | None) -> None:
 
 def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
     from rota.check import met_text, report_table
-    from rota.planner import planner_of
+    from rota.planning.planner import planner_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
     planner = planner_of(answer.plan.mission)

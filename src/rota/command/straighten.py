@@ -13,10 +13,10 @@ from rota.command.interrupt import saying_when_interrupted
 from rota.command.plan import write_or_print
 from rota.command.terminal import mention_compiling, say
 from rota.errors import RotaError
-from rota.stopping import OwnThread
+from rota.planning.stopping import OwnThread
 
 if TYPE_CHECKING:
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 TRIED_M = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 

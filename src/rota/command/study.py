@@ -13,7 +13,7 @@ from rota.command.terminal import mention_compiling, progress_bar, say
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
+    from rota.model.mission import Mission
     from rota.papers.study import AnyRuns, AnySettings, PaperStudy
 
 app = typer.Typer(help="Run a study of how the planners do.", no_args_is_help=True, rich_markup_mode=None)

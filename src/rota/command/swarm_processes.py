@@ -16,8 +16,8 @@ from rota.command.terminal import mention_compiling, say
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
-    from rota.robot_processes import ProcessSettings, RobotProcesses, RobotRecord, SwarmRecord
+    from rota.model.mission import Mission
+    from rota.planning.robot_processes import ProcessSettings, RobotProcesses, RobotRecord, SwarmRecord
 
 MissionPath = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file of a swarm, YAML or JSON.")]
 Seed = Annotated[int, typer.Option(min=0, metavar="NUMBER", help="For starts that the mission leaves open.")]
@@ -62,7 +62,7 @@ def _settings(
     heights: Heights = None,
 ) -> ProcessSettings:
     """What the options that both commands have ask of the processes."""
-    from rota.robot_processes import HeightAt, ProcessSettings, level
+    from rota.planning.robot_processes import HeightAt, ProcessSettings, level
 
     ground_m: HeightAt = level
     if height_map is not None:
@@ -138,7 +138,7 @@ def swarm_launch(
     """Start a swarm's robots as processes; write what they did."""
     from rota.files.atomic_write import require_suffix, write_atomically
     from rota.files.plan_file import write_plan
-    from rota.robot_processes import Launch
+    from rota.planning.robot_processes import Launch
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     require_target(target, source=mission)
@@ -207,7 +207,7 @@ def _read(path: Path) -> Mission:
 
 def _processes(mission: Mission, settings: ProcessSettings) -> RobotProcesses:
     """The mission's robots, once it is said that compiling takes long."""
-    from rota.planner import planner_of
+    from rota.planning.planner import planner_of
 
     planner = planner_of(mission)
     mention_compiling(*planner.compiled_packages(mission))

@@ -15,7 +15,7 @@ from rota.command.arguments import ClusterAddress
 from rota.command.exit_codes import DONE, NO_PLAN
 from rota.command.terminal import Bar, progress_bar, say
 from rota.errors import RotaError
-from rota.planner import about
+from rota.planning.planner import about
 
 if TYPE_CHECKING:
     from rota.sweep.cells import Cell
@@ -103,8 +103,8 @@ def _say_refused(cells: list[Cell], path: Path) -> None:
 
 def _is_compiled(cells: list[Cell]) -> bool:
     """Whether the loops of all planners of the sweep are compiled."""
-    from rota.compiled_cache import is_compiled
-    from rota.planner import planner_of
+    from rota.compiled.compiled_cache import is_compiled
+    from rota.planning.planner import planner_of
 
     missions = {id(cell.combination): cell.combination.mission for cell in cells}.values()
     packages = {

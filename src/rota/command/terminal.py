@@ -14,13 +14,13 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-from rota.planner import about
-from rota.progress import SteadyProgress
-from rota.refusals import escaped
+from rota.model.refusals import escaped
+from rota.planning.planner import about
+from rota.planning.progress import SteadyProgress
 
 if TYPE_CHECKING:
     from rota.check.report import Report
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 STANDARD_STREAM = "-"  # stands for standard input or output where a file is asked for
 
@@ -86,7 +86,7 @@ def progress_bar() -> Iterator[Bar]:
 
 def mention_compiling(*packages: str) -> None:
     """Say so when these packages have not been compiled yet, which takes a while."""
-    from rota.compiled_cache import is_compiled
+    from rota.compiled.compiled_cache import is_compiled
 
     if not is_compiled(*packages):
         say("compiling, once: half a minute to a minute")

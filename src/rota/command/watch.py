@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rota.live.settings import WatchSettings
     from rota.live.watch import Watch
     from rota.live.watch_log import LogReader
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 LOG_SUFFIX = ".rota-log"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rota.plan import Plan
+    from rota.model.plan import Plan
 
 WORTH_SAYING = 1.02  # a vehicle that takes no more than this many times as long
 

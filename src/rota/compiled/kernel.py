@@ -37,7 +37,7 @@ from numba.core.serialize import dumps
 from numba.core.untyped_passes import ExtractByteCode
 from numba.np import linalg
 
-from rota.by_reference import Reference
+from rota.compiled.by_reference import Reference
 from rota.compiled.code_cache import code_prefix, discard_code, held, read_code, write_code
 from rota.compiled.source_stamp import source_stamp
 

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from shapely import union_all
 
+from rota.cells.entered_cells import faced_cells
 from rota.draw.entered_cells import BAR, draw_entries, entries_bar, entries_title
 from rota.draw.house_style import house_style
 from rota.draw.legends import axes_at, legend_height, place_legend
@@ -25,11 +26,10 @@ from rota.draw.plan_picture import FORMATS, UNDATED
 from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI
 from rota.draw.zone_labels import draw_zone_labels
-from rota.entered_cells import faced_cells
 from rota.errors import PlanError
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.plan import Plan
-from rota.polygons import polygons_of
+from rota.model.plan import Plan
+from rota.model.polygons import polygons_of
 
 MAP_WIDTH, MARGIN, HEADER, AXIS, GAP = 4.6, 0.15, 0.6, 0.4, 0.85  # inches
 ARROW = 0.36  # cells

@@ -19,8 +19,8 @@ from rota.draw.plan_picture import FORMATS, UNDATED, draw_routes
 from rota.draw.two_maps import DPI
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 
 # inches
 MARGIN, GAP, HEADER, PANEL_TITLE, FOOTER = 0.14, 0.28, 0.3, 0.42, 0.3

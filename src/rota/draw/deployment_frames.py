@@ -13,7 +13,7 @@ from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
 from rota.draw.routes import places_at
-from rota.plan_summary import range_from
+from rota.planning.plan_summary import range_from
 
 Floats = NDArray[np.float64]
 

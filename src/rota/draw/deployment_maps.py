@@ -15,15 +15,15 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
+from rota.cells.importance_cells import importance_in_range
 from rota.draw.mission_picture import draw_mission, mission_legend, outline, points_per_metre
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND, ink_on
 from rota.draw.route_lines import robot_colours
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
-from rota.importance_cells import importance_in_range
-from rota.plan import Plan
-from rota.plan_summary import range_at_the_end, range_from
-from rota.polygons import polygons_of
+from rota.model.plan import Plan
+from rota.model.polygons import polygons_of
+from rota.planning.plan_summary import range_at_the_end, range_from
 
 Floats = NDArray[np.float64]
 

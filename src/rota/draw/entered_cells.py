@@ -12,12 +12,12 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
+from rota.cells.entered_cells import entries_of_cells
 from rota.draw.legends import LEGEND_PT, axes_at
 from rota.draw.mission_picture import draw_mission, frame, mission_legend
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
-from rota.entered_cells import entries_of_cells
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 BAR, BAR_TEXT = 0.13, 0.3  # inches
 MOST_LINEAR = 20  # entries of a cell, up to which colours are even steps; beyond, even factors

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from rota.cell_map import cell_map_of, neighbours
+from rota.cells.cell_map import cell_map_of, neighbours
 from rota.draw.deployment_maps import filled
 from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain
@@ -23,8 +23,8 @@ from rota.draw.route_lines import robot_colours
 from rota.draw.routes import corner_times_s, positions_at, routes_of
 from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
-from rota.mission import Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 

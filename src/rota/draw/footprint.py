@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import DiscSensor, Mission, Sensor
+from rota.model.mission import DiscSensor, Mission, Sensor
 
 Floats = NDArray[np.float64]
 

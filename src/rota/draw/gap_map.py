@@ -12,9 +12,9 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from rota.cell_map import Bools, CellMap, cell_map_of, neighbours
+from rota.cells.cell_map import Bools, CellMap, cell_map_of, neighbours
 from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Patch, PathPatch
 from numpy.typing import NDArray
 
+from rota.cells.importance_cells import ImportanceCells, importance_cells
 from rota.draw.palette import GROUND, IMPORTANT
-from rota.importance_cells import ImportanceCells, importance_cells
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
 

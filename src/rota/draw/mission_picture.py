@@ -13,7 +13,7 @@ from shapely.geometry.polygon import orient
 
 from rota.draw.importance_shade import draw_importance, importance_legend
 from rota.draw.palette import AREA_EDGE, GROUND, NO_ENTRY, NO_SIGHT, OBSTACLE, OUTSIDE, ZONE_EDGE, ZONE_TINTS
-from rota.mission import Mission, Obstacle
+from rota.model.mission import Mission, Obstacle
 
 FONT_PT = 7.5
 NAME_CHARACTERS = 60

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import is_deployment
 from rota.draw.film_frames import FilmFrames
@@ -21,7 +20,8 @@ from rota.draw.gif_file import Frame, palette_of, write_gif
 from rota.draw.house_style import house_style
 from rota.errors import RotaError
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.plan import Plan
+from rota.model.plan import Plan
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 Floats = NDArray[np.float64]
 

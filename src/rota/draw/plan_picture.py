@@ -19,7 +19,7 @@ from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 FORMATS = (".png", ".svg", ".pdf")
 UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}

@@ -18,7 +18,7 @@ from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.plan_picture import FORMATS, UNDATED
 from rota.draw.two_maps import DPI
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.progress import ProgressPoint, SearchState
+from rota.planning.progress import ProgressPoint, SearchState
 
 SIZE = (8.0, 5.0)  # inches
 LEAST_PERCENT = 0.01  # linear below, logarithmic above

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rota.draw.mission_picture import plain, points_per_metre
 from rota.draw.palette import ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of
-from rota.plan import Plan
-from rota.plan_summary import rounded
+from rota.model.plan import Plan
+from rota.planning.plan_summary import rounded
 
 Floats = NDArray[np.float64]
 

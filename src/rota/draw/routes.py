@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
-from rota.cell_map import CellMap
+from rota.cells.cell_map import CellMap
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
 from rota.draw.routes import corner_times_s, places_at
-from rota.mission import DiscSensor, Sensor, inner_reach_m
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Sensor, inner_reach_m
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from rota.draw.legends import axes_at, legend_height, place_legend
 from rota.draw.mission_picture import plain
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 DPI = 160
 

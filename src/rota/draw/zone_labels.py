@@ -15,8 +15,8 @@ from shapely.geometry.base import BaseGeometry
 from rota.draw.mission_picture import FONT_PT, asked, plain, points_per_metre
 from rota.draw.palette import ZONE_EDGE
 from rota.draw.routes import Route
-from rota.mission import Mission, Zone
-from rota.polygons import polygons_of
+from rota.model.mission import Mission, Zone
+from rota.model.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ import threading
 import traceback
 from typing import BinaryIO
 
-from rota.stopping import work_left_running
+from rota.planning.stopping import work_left_running
 
 LENGTH = struct.Struct("<Q")
 

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from rota.checkpoint import Checkpoint
 from rota.errors import CheckpointError, MissionError, RotaError
 from rota.files.atomic_write import replaced_file
 from rota.files.local_file import read_bytes
 from rota.files.plan_file import plan_from_json, plan_to_json
-from rota.plan import Plan
+from rota.model.plan import Plan
+from rota.planning.checkpoint import Checkpoint
 
 CHECKPOINT_VERSION = 1
 MADE_BY = "'rota plan' writes one when a swarm is stopped"

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from rota.errors import PlanError
-from rota.mission import Mission
-from rota.plan import Floats, Plan, Trajectory
-from rota.polygons import polygons_of
+from rota.model.mission import Mission
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.model.polygons import polygons_of
 
 SAME_M = 1e-6
 SAME_RAD = 1e-6

@@ -11,7 +11,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.plan import Floats
+from rota.model.plan import Floats
 
 Longs = NDArray[np.int64]
 

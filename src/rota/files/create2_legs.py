@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from rota.errors import PlanError
 from rota.files.create2_course import SAME_RAD, Contact, Stretch, Surroundings, stretches_of, turned
 from rota.files.create2_driven import Driven, touching_legs
-from rota.mission import Place
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Place
+from rota.model.plan import Plan, Trajectory
 
 BODY_RADIUS_M = 0.17  # iRobot Create 2: 34 cm across
 WHEEL_BASE_M = 0.235

@@ -13,8 +13,8 @@ from pathlib import Path
 from rota.files.create2_course import turned
 from rota.files.create2_legs import BACK_OFF_SPEED_M_S, FASTEST_M_S, require_bouncing, turning_speed_m_s
 from rota.files.create2_sketch import one_line, sketch_of, write_sketches
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 
 LONGER = 1.5  # than the longest way in the area: then a robot is outside
 

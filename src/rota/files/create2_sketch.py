@@ -16,7 +16,7 @@ from pathlib import Path
 from rota.errors import PlanError, RotaError
 from rota.files.atomic_write import require_short_names, require_writable_folder, write_atomically
 from rota.files.create2_legs import BACK_OFF_SPEED_M_S, MOST_SLOWING, Drive, Leg, drives_of
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 LEG_BYTES, KIND_BYTES = 8, 7
 MOST_BYTES = 25_200  # of legs and their kinds; with the program they fill the 32 kB of an Uno

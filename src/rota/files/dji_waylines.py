@@ -16,15 +16,15 @@ from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from rota.driven_route import DURATION_S, from_start, rounds_within, with_whole_waits
 from rota.errors import PlanError
 from rota.files.geodesy import Projection, projection_of
 from rota.files.robot_files import write_contents
 from rota.files.timed_places import START
 from rota.files.xml_text import decimal_text
-from rota.plan import Plan, Trajectory
-from rota.planner_settings import Settings, setting
-from rota.route import RouteStop, route_of, start_height_m
+from rota.model.plan import Plan, Trajectory
+from rota.model.planner_settings import Settings, setting
+from rota.routes.driven_route import DURATION_S, from_start, rounds_within, with_whole_waits
+from rota.routes.route import RouteStop, route_of, start_height_m
 
 TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
 KML_NAMESPACE, WPML_NAMESPACE = "http://www.opengis.net/kml/2.2", "http://www.dji.com/wpmz/1.0.2"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rota.errors import MissionError, PlanError
-from rota.mission import GeoPoint, Mission
+from rota.model.mission import GeoPoint, Mission
 
 ORIGIN_DECIMALS = 7  # 1e-7 degrees: about a centimetre, and what MAVLink's integers carry
 

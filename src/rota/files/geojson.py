@@ -12,11 +12,11 @@ from shapely import MultiPolygon, transform
 from shapely.geometry import mapping
 from shapely.geometry.polygon import orient
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.files.atomic_write import write_atomically
 from rota.files.geodesy import Projection
-from rota.mission import Mission
-from rota.plan import Floats, Plan, Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 Json = dict[str, Any]
 ToMap = Callable[[Floats], Floats]

@@ -17,8 +17,8 @@ from rota.files.geodesy import require_degrees
 from rota.files.json_text import unique_keys
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, ring_fault
-from rota.polygons import polygons_of
-from rota.refusals import shortened, shown
+from rota.model.polygons import polygons_of
+from rota.model.refusals import shortened, shown
 
 _MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 from rota.files.geodesy import projection_of
 from rota.files.timed_places import START, instant_text, timed_routes
 from rota.files.xml_text import child, decimal_text, xml_text
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.files.raster_map import Site, read_raster
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
 

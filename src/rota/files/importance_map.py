@@ -9,7 +9,7 @@ import numpy as np
 
 from rota.errors import MissionError
 from rota.files.raster_map import Raster, Scale, Site, read_raster
-from rota.importance import ALLOWED, MOST_IMPORTANCE, ImportanceMap
+from rota.model.importance import ALLOWED, MOST_IMPORTANCE, ImportanceMap
 
 MOST_PLACES = 2**18  # of a map in a plan file; a finer one is averaged down to that
 DIGITS = 6  # of the greatest importance, to which a map is rounded: so plan files stay small

@@ -12,7 +12,7 @@ from shapely.geometry.polygon import orient
 from rota.files.geodesy import Projection, projection_of
 from rota.files.timed_places import START, timed_routes
 from rota.files.xml_text import child, decimal_text, xml_text
-from rota.plan import Floats, Plan
+from rota.model.plan import Floats, Plan
 
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 EXTENSIONS = "http://www.google.com/kml/ext/2.2"

@@ -9,8 +9,8 @@ import shapely
 from shapely import MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from rota.fleet import Fleet, Place, StartBox, StartPoints
-from rota.start_faults import entrance_fault
+from rota.model.fleet import Fleet, Place, StartBox, StartPoints
+from rota.model.start_faults import entrance_fault
 
 ROOM = 1.01  # times the radius: a body that keeps so far off walls has room to move on
 NEAR = 0.1  # of the radius: a start so near to where bodies have room leads there

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rota.planner_registry import planner_names
+from rota.model.planner_registry import planner_names
 
 Json = dict[str, Any]
 

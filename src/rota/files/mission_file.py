@@ -21,14 +21,14 @@ from rota.files.mission_starts import fleet_at_its_starts, moved_in, moving_obst
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
-from rota.mission import (
+from rota.model.mission import (
     NO_PERIOD,
     NOTHING_MATTERS,
     Mission,
     PlannerSettings,
     inner_reach_m,
 )
-from rota.planner import planner_named
+from rota.planning.planner import planner_named
 
 MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly

@@ -10,9 +10,9 @@ from rota.files.mission_schema import FleetBlock, RobotBlock, SensorBlock
 from rota.files.motion_schema import DRIVING
 from rota.files.schema_faults import Fault
 from rota.files.yaml_text import Place
-from rota.fleet import TURNS_ONE_WAY, DiscSensor, Fleet, Robot, Sensor, SquareSensor
-from rota.motion_limits import AT_ONCE, MOTION_FIELDS, NEED_MASS, MotionLimits, driving_faults, motion_faults
-from rota.refusals import shown
+from rota.model.fleet import TURNS_ONE_WAY, DiscSensor, Fleet, Robot, Sensor, SquareSensor
+from rota.model.motion_limits import AT_ONCE, MOTION_FIELDS, NEED_MASS, MotionLimits, driving_faults, motion_faults
+from rota.model.refusals import shown
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.presets import NONE, VEHICLES
 

@@ -23,10 +23,10 @@ from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Area, AreaBlock, ObstacleBlock, ObstacleEntry, ZoneBlock
 from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
-from rota.importance import ALLOWED, ImportanceMap
-from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
-from rota.polygons import polygons_of
-from rota.refusals import shown
+from rota.model.importance import ALLOWED, ImportanceMap
+from rota.model.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
+from rota.model.polygons import polygons_of
+from rota.model.refusals import shown
 
 _SMALLEST_CUT = 1e-9  # relative: borders drawn along each other differ by rounding
 

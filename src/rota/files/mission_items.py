@@ -11,11 +11,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from rota.driven_route import route_with_whole_waits
 from rota.errors import PlanError
 from rota.files.geodesy import Projection
-from rota.plan import Plan, Trajectory
-from rota.route import Route, RouteStop, route_of
+from rota.model.plan import Plan, Trajectory
+from rota.routes.driven_route import route_with_whole_waits
+from rota.routes.route import Route, RouteStop, route_of
 
 Autopilot = Literal["ardupilot", "px4"]
 

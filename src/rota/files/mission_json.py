@@ -20,7 +20,7 @@ from rota.files.plan_schema import (
     SquareSensorFields,
     StartFields,
 )
-from rota.mission import (
+from rota.model.mission import (
     DiscSensor,
     Fleet,
     GeoPoint,
@@ -36,9 +36,9 @@ from rota.mission import (
     StartPoints,
     Zone,
 )
-from rota.motion_limits import MOTION_FIELDS, MotionLimits
-from rota.planner import planner_named
-from rota.planner_settings import Settings, settings_of
+from rota.model.motion_limits import MOTION_FIELDS, MotionLimits
+from rota.model.planner_settings import Settings, settings_of
+from rota.planning.planner import planner_named
 
 Json = dict[str, Any]
 

@@ -24,10 +24,10 @@ from rota.files.schema_block import (
 )
 from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
-from rota.mission import all_refused
-from rota.planner import loadable_planners, planner_named
-from rota.planner_registry import DEFAULT, PLANNERS, planner_names
-from rota.refusals import fleet_blocks, inner
+from rota.model.mission import all_refused
+from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
+from rota.model.refusals import fleet_blocks, inner
+from rota.planning.planner import loadable_planners, planner_named
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
 

@@ -17,7 +17,7 @@ from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Circle, Holed, Shape
 from rota.files.yaml_text import Place
-from rota.polygons import polygons_of
+from rota.model.polygons import polygons_of
 
 
 class Stop(Exception):  # noqa: N818 (an entry cannot be read further; the reader of the ground catches it)

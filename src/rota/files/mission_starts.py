@@ -16,9 +16,9 @@ from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Place
-from rota.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
-from rota.planner import planner_named
-from rota.refusals import path_of
+from rota.model.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
+from rota.model.refusals import path_of
+from rota.planning.planner import planner_named
 
 START: Place = ("fleet", "start")
 ENTRANCES: Place = ("fleet", "entrances")

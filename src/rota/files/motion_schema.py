@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import Field
 
 from rota.files.schema_block import Block, LengthOrZero, NotNegative, Rate
-from rota.motion_limits import MOTION_FIELDS
+from rota.model.motion_limits import MOTION_FIELDS
 from rota.vehicles.presets import VEHICLES
 
 DRIVING = ("speed_m_s", "turn_rate_rad_s", "turn_radius_m", *MOTION_FIELDS)  # what vehicles preset

@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from rota.constant_speeds import at_constant_speeds
-from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.robot_files import write_contents
-from rota.fleet import Robot
-from rota.plan import Floats, Plan, Trajectory
-from rota.route import RouteStop, route_of, start_height_m
-from rota.turning import with_turning
+from rota.model.fleet import Robot
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.routes.constant_speeds import at_constant_speeds
+from rota.routes.driven_route import from_start
+from rota.routes.route import RouteStop, route_of, start_height_m
+from rota.routes.turning import with_turning
 
 FRAME = "map"
 APPROACH, LOOP, PATH = ".approach.yaml", ".loop.yaml", ".path.yaml"

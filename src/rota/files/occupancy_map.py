@@ -18,7 +18,7 @@ from rota.files.pixel_outline import straight_outline
 from rota.files.schema_block import Coordinate, Length, Number
 from rota.files.schema_faults import positioned, schema_faults
 from rota.files.yaml_text import parse_text
-from rota.polygons import polygons_of
+from rota.model.polygons import polygons_of
 
 Unknown = Literal["map_server reading", "blocked", "free"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, STRtree, box, get_coordinates, linestrings, polygons, union_all
 from shapely.geometry.polygon import orient
 
-from rota.polygons import polygons_of
+from rota.model.polygons import polygons_of
 
 LARGEST_DEVIATION = 0.5  # pixels
 SEAL = 0.1  # pixels: from where two unset pixels touch to the corners of what joins them

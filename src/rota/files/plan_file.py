@@ -17,7 +17,7 @@ from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
 from rota.files.plan_schema import PLAN_VERSION, RunEndFields, TrajectoryFields, plan_fields_type
-from rota.plan import Plan, RunEnd, Trajectory, Waypoints
+from rota.model.plan import Plan, RunEnd, Trajectory, Waypoints
 
 Json = dict[str, Any]
 MADE_BY = "'rota plan' writes one"

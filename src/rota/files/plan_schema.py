@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
 
 from rota.files.settings_schema import settings_field
-from rota.importance import MOST_IMPORTANCE
-from rota.limits import LARGEST_M, LONGEST_S
-from rota.mission import Asks, Blocks, Demand, Unseeable
-from rota.plan import EndReason
-from rota.planner import loadable_planners, planner_named
-from rota.planner_registry import PLANNERS, planner_names
-from rota.refusals import inner
+from rota.model.importance import MOST_IMPORTANCE
+from rota.model.limits import LARGEST_M, LONGEST_S
+from rota.model.mission import Asks, Blocks, Demand, Unseeable
+from rota.model.plan import EndReason
+from rota.model.planner_registry import PLANNERS, planner_names
+from rota.model.refusals import inner
+from rota.planning.planner import loadable_planners, planner_named
 
 PLAN_VERSION = 1
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rota.files.geodesy import Projection
 from rota.files.spreadsheet_cells import as_cell
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 
 def csv_text(plan: Plan) -> str:

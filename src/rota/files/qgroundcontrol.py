@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from rota.fence import FENCE_MARGIN_M, fence_of
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import DEGREE_DIGITS, Autopilot, Item, cruise_speed_m_s, mission_items
 from rota.files.robot_files import write_robot_files
-from rota.mission import Mission
-from rota.plan import Plan, Trajectory
-from rota.route import Ring
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
+from rota.routes.fence import FENCE_MARGIN_M, fence_of
+from rota.routes.route import Ring
 
 Json = dict[str, Any]
 

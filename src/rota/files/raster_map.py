@@ -15,7 +15,7 @@ from rota.errors import MissionError
 from rota.files.geodesy import Projection
 from rota.files.local_file import read_bytes
 from rota.files.map_image import MOST_PIXELS, read_brightness
-from rota.mission import GeoPoint
+from rota.model.mission import GeoPoint
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]  # what black and white stand for

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rota.errors import PlanError, RotaError
 from rota.files.atomic_write import replaced_file, require_short_names, require_writable_folder
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 PLAN_MARK, FILE_HEAD = b'"rota_plan"', 100  # how many bytes of a file are looked at for it
 

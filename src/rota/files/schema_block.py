@@ -9,7 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from rota.importance import MOST_IMPORTANCE
+from rota.model.importance import MOST_IMPORTANCE
 
 # generous for anything that moves on this planet, and so that no square, sum or quotient overflows or is lost
 SMALLEST_M, FARTHEST_M = 1e-3, 1e7  # beyond it no projection holds, and sums of squares lose the millimetres

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from pydantic import ValidationError
 
 from rota.files.yaml_text import Document, Place
-from rota.refusals import refusal, shown
+from rota.model.refusals import refusal, shown
 
 
 class Fault(NamedTuple):

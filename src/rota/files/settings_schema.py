@@ -1,6 +1,6 @@
 """Settings of planners in mission and plan files: the reader of a block and its JSON Schema, both made from it.
 
-``Setting`` of ``rota.planner_settings`` is where a setting is declared.
+``Setting`` of ``rota.model.planner_settings`` is where a setting is declared.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from pydantic import PlainValidator, ValidationError, WithJsonSchema
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from rota.files.schema_block import nearest_key
-from rota.planner_settings import Setting, Settings, settings_of
-from rota.refusals import Where, refusal
+from rota.model.planner_settings import Setting, Settings, settings_of
+from rota.model.refusals import Where, refusal
 
 JsonSchema = dict[str, Any]
 _BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}

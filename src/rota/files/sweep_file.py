@@ -14,8 +14,8 @@ from rota.files.local_file import read_text
 from rota.files.schema_block import Block, Duration, Text, Where, nearest_key
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.yaml_text import Document, parse_text
-from rota.planner_registry import planner_names
-from rota.refusals import shown
+from rota.model.planner_registry import planner_names
+from rota.model.refusals import shown
 
 MOST_SEEDS = 1_000_000
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**32)]

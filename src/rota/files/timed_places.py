@@ -8,10 +8,10 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.errors import PlanError, RotaError
 from rota.files.geodesy import Projection
-from rota.plan import Floats, Plan, Trajectory
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 START = datetime(2000, 1, 1, tzinfo=UTC)  # fixed, so that the same plan gives the same file
 NS_PER_S = 1_000_000_000

@@ -13,16 +13,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from rota.driven_route import DURATION_S, from_start, rounds_within
 from rota.errors import PlanError
 from rota.files.robot_files import write_robot_files
 from rota.files.timed_places import START, instant_text, require_dated
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window, base_end, order_messages
 from rota.files.vda5050_versions import SPOKEN, Protocol, WaitAction, protocol_of, wait_action_given
-from rota.fleet import Robot
-from rota.plan import Floats, Plan, Trajectory
-from rota.planner_settings import Settings, setting
-from rota.route import Route, route_of
+from rota.model.fleet import Robot
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.model.planner_settings import Settings, setting
+from rota.routes.driven_route import DURATION_S, from_start, rounds_within
+from rota.routes.route import Route, route_of
 
 SUFFIX = ".orders.jsonl"
 

@@ -11,11 +11,11 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.vda5050_versions import TIMED_WAIT, VERSION_2_1, Json, Protocol, WaitAction
-from rota.route import Route, RouteStop
-from rota.turning import with_turning
+from rota.routes.driven_route import from_start
+from rota.routes.route import Route, RouteStop
+from rota.routes.turning import with_turning
 
 MOST_SEQUENCE = 2**32 - 1  # sequenceId is a uint32
 _ID = re.compile(r"[A-Za-z0-9_.:-]+")  # section 6.1.2

@@ -11,7 +11,7 @@ from pathlib import Path
 from rota.files.geodesy import projection_of
 from rota.files.mission_items import WAYPOINT, Item, mission_items
 from rota.files.robot_files import write_robot_files
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 FIRST_LINE = "QGC WPL 110"
 FRAME_GLOBAL = 0

@@ -15,7 +15,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import Scanner
 
 from rota.errors import MissionError
-from rota.refusals import shortened
+from rota.model.refusals import shortened
 
 Place = tuple[str | int, ...]
 

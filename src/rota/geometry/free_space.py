@@ -14,9 +14,9 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
-from rota.mission import AREA, TOUCH_M, Demand, Mission, Obstacle, Zone
-from rota.polygons import polygons_of
-from rota.start_faults import ENTRANCE_NEAR
+from rota.model.mission import AREA, TOUCH_M, Demand, Mission, Obstacle, Zone
+from rota.model.polygons import polygons_of
+from rota.model.start_faults import ENTRANCE_NEAR
 
 Floats = NDArray[np.float64]
 

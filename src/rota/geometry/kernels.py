@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.by_reference import by_reference
+from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
 
 TOUCH_M = 1e-9

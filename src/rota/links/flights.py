@@ -16,9 +16,9 @@ import shapely
 from rota.errors import LinkError
 from rota.links.free_ways import LayeredWay, layered_ways
 from rota.links.link import Link
-from rota.mission import Mission
-from rota.plan import Trajectory
-from rota.route import Route
+from rota.model.mission import Mission
+from rota.model.plan import Trajectory
+from rota.routes.route import Route
 
 Calls = Mapping[str, Callable[[], Awaitable[None]]]
 

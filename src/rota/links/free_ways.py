@@ -11,8 +11,8 @@ from shapely import LineString, MultiPolygon
 from rota.errors import MissionError, PlanError
 from rota.geometry.free_space import nearest_free_point, standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Mission
-from rota.route import Place3
+from rota.model.mission import Mission
+from rota.routes.route import Place3
 
 Place = tuple[float, float]
 

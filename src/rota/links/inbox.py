@@ -10,8 +10,8 @@ from collections.abc import AsyncGenerator, Collection, Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
-from rota.limits import FAR_FROM_AREA_M, LONGEST_S
 from rota.links.link import Fault, Mode, Rejections, Report
+from rota.model.limits import FAR_FROM_AREA_M, LONGEST_S
 
 MOST_WAITING = 20_000  # reports that nobody has taken yet: 200 robots at 5 Hz for 20 s
 ROUNDING_S = 1e-6

@@ -10,7 +10,7 @@ from collections.abc import AsyncGenerator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, get_args
 
-from rota.route import Place3, Route
+from rota.routes.route import Place3, Route
 
 Mode = Literal["idle", "ready", "running", "paused", "returning", "failed"]
 Fault = Literal[

@@ -9,8 +9,8 @@ from typing import Any
 from rota.errors import RotaError
 from rota.links.link import Link
 from rota.links.names import LINKS
-from rota.plan import Plan
-from rota.planner_settings import Setting, Settings, settings_of
+from rota.model.plan import Plan
+from rota.model.planner_settings import Setting, Settings, settings_of
 
 
 def make_link(name: str, plan: Plan, given: Iterable[str] = ()) -> Link:

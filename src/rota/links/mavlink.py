@@ -6,7 +6,7 @@ from rota.files.geodesy import projection_of
 from rota.links.extras import required
 from rota.links.mavlink_link import MavlinkLink, MavlinkSettings
 from rota.links.mavlink_target_link import MavlinkTargetLink
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 SETTINGS = MavlinkSettings
 

@@ -16,7 +16,7 @@ from rota.files.geodesy import Projection
 from rota.files.mission_items import DO_CHANGE_SPEED, TAKEOFF
 from rota.links.link import Report
 from rota.links.mavlink_vehicle import MavlinkVehicle
-from rota.route import Place3
+from rota.routes.route import Place3
 
 GUIDED = 4  # ArduCopter's number for its mode, ArduCopter/mode.h
 DO_SET_MODE, CUSTOM_MODE = 176, 1  # MAV_CMD; the flag that says that the mode is a number of the autopilot's own

@@ -11,7 +11,7 @@ import numpy as np
 from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import DO_JUMP, WAYPOINT, Autopilot, Item, route_items
-from rota.route import Fence, Ring, Route
+from rota.routes.route import Fence, Ring, Route
 from rota.vehicles.facts import Fact
 from rota.vehicles.presets import ARDUCOPTER
 

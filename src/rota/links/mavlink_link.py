@@ -36,8 +36,8 @@ from rota.links.mavlink_items import (
 from rota.links.mavlink_pace import MissionPace
 from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
 from rota.links.reporting import RealTimeLink
-from rota.planner_settings import Settings, setting
-from rota.route import Place3, Route
+from rota.model.planner_settings import Settings, setting
+from rota.routes.route import Place3, Route
 
 if TYPE_CHECKING:
     from mavsdk import System

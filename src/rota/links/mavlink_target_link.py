@@ -14,8 +14,8 @@ from rota.links.mavlink_link import MODES, MavlinkLink, MavlinkSettings
 from rota.links.mavlink_targets import MOST_PACE, Target, TargetStream, most_pace
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.links.rounded_track import RoundedTrack
-from rota.plan import Plan
-from rota.route import Place3, Route
+from rota.model.plan import Plan
+from rota.routes.route import Place3, Route
 
 
 class MavlinkTargetLink(MavlinkLink):

@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rota.files.geodesy import Projection
-from rota.fleet import Robot
 from rota.links.link import Report
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.links.rounded_track import RoundedTrack
+from rota.model.fleet import Robot
 from rota.vehicles.presets import ARDUCOPTER
 
 EVERY_S = 0.1

@@ -10,7 +10,7 @@ from rota.errors import LinkError
 from rota.links.inbox import Bounds, ReportInbox
 from rota.links.link import Fault, Rejections, Report
 from rota.links.plan_clock import PlanClock
-from rota.route import Place3
+from rota.routes.route import Place3
 
 
 class ReportingLink:

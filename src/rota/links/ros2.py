@@ -22,10 +22,10 @@ from rota.links.inbox import Bounds
 from rota.links.reporting import RealTimeLink
 from rota.links.ros2_robot import ASK_AGAIN_S, Ros2Robot, nanoseconds
 from rota.links.ros2_route import NS_PER_S, path_differences, timed_path
-from rota.plan import Plan
-from rota.planner_settings import Settings, setting
+from rota.model.plan import Plan
+from rota.model.planner_settings import Settings, setting
 from rota.ros2.node import opened_node, require_rclpy, stay_on_loopback
-from rota.route import Route
+from rota.routes.route import Route
 
 MOST_PENDING = 10_000  # messages that have arrived and that nobody has looked at yet
 

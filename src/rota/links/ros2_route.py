@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rota.plan import Trajectory
-from rota.route import Place3, Route, RouteStop
+from rota.model.plan import Trajectory
+from rota.routes.route import Place3, Route, RouteStop
 
 SAME_M, SAME_S = 1e-3, 1e-3
 NS_PER_S = 10**9

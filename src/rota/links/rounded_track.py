@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.plan import Floats, Trajectory
+from rota.model.plan import Floats, Trajectory
 
 LEAST_S = 1e-3  # of a rounding: shorter ones are none
 TINY_M_S = 1e-6  # a change of velocity that is none

@@ -9,10 +9,10 @@ from dataclasses import replace
 from typing import TypeVar
 
 from rota.errors import LinkError
-from rota.fence import fence_of
 from rota.links.link import Link
-from rota.plan import Plan
-from rota.route import Route, route_of
+from rota.model.plan import Plan
+from rota.routes.fence import fence_of
+from rota.routes.route import Route, route_of
 
 Item = TypeVar("Item")
 

@@ -21,9 +21,9 @@ from rota.links.inbox import Bounds
 from rota.links.link import Mode, Report
 from rota.links.reporting import ReportingLink
 from rota.links.vehicles import HOME_SPEED_M_S, Vehicle, Vehicles, drive_home, drive_of
-from rota.plan import Plan
-from rota.planner_settings import Settings, setting
-from rota.route import Place3, Route, route_of
+from rota.model.plan import Plan
+from rota.model.planner_settings import Settings, setting
+from rota.routes.route import Place3, Route, route_of
 
 FaultKind = Literal["refuses", "half", "silent", "wrong-type", "dies", "stuck", "nan", "future"]
 LATER_FAULTS = ("dies", "stuck", "nan", "future")

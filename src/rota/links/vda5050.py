@@ -30,8 +30,8 @@ from rota.links.vda5050_state import (
 )  # fmt: skip
 from rota.links.vda5050_talk import Talk
 from rota.links.vda5050_vehicle import ENDED, Vda5050Vehicle
-from rota.plan import Plan
-from rota.route import Place3, Route, route_of
+from rota.model.plan import Plan
+from rota.routes.route import Place3, Route, route_of
 
 END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
 RELEASE_S = 0.1  # between two looks whether stops are to be released

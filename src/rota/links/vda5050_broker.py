@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from rota.errors import LinkError, RotaError
 from rota.files.vda5050_versions import wait_action_given
-from rota.planner_settings import Settings, setting
+from rota.model.planner_settings import Settings, setting
 
 if TYPE_CHECKING:
     from aiomqtt import Client

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from rota.files.vda5050_orders import NumberedStops, Span, Window, end_without_wait
 from rota.links.leg_times import Leg, LegTimes
-from rota.route import RouteStop
+from rota.routes.route import RouteStop
 
 SLOWEST = 0.5  # of the planned speed: what a vehicle that is early is slowed down to
 EARLY_S = 0.5  # by which it may be early, beyond what slower legs leave of that

@@ -15,7 +15,7 @@ from rota.files.vda5050_versions import Protocol, WaitAction, protocol_of
 from rota.links.link import Mode
 from rota.links.vda5050_pace import Pace
 from rota.links.vda5050_state import Part, VehicleError, VehicleState
-from rota.route import Route, RouteStop
+from rota.routes.route import Route, RouteStop
 
 Json = dict[str, Any]
 

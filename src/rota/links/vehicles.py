@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.links.link import Mode
-from rota.plan import Trajectory
-from rota.route import Place3, Route, RouteStop
+from rota.model.plan import Trajectory
+from rota.routes.route import Place3, Route, RouteStop
 
 Floats = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.fleet import DiscSensor, Robot, inner_reach_m
 from rota.geometry.free_space import border_segments, sight_walls
 from rota.geometry.line_of_sight import edge_grid
 from rota.live import age_kernels
 from rota.live.places import Places, binned
-from rota.mission import Mission
+from rota.model.fleet import DiscSensor, Robot, inner_reach_m
+from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

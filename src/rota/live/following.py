@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.live import following_kernels
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.by_reference import by_reference
+from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
 
 # of the speed: metres away that a second of another lag weighs as much as; the second one where the first finds nothing

@@ -13,7 +13,7 @@ from rota.live import kernels
 from rota.live.kernels import Team
 from rota.live.places import Places
 from rota.live.planned_sights import sights_by_plan
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 

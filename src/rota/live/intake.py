@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import get_args
 
-from rota.limits import FAR_FROM_AREA_M, LONGEST_S
 from rota.links.link import Fault, Mode, Report
 from rota.live.events import Dropped, Heard
+from rota.model.limits import FAR_FROM_AREA_M, LONGEST_S
 
 LONGEST_EXAMPLE = 70  # characters
 DIGITS = 3  # milliseconds, millimetres and thousandths of a battery: what comes of sensors is no finer

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from rota.links.link import Mode
 from rota.live.notices import Notice, NoticeKind, RobotState, listed
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 LATE_S = 1.0  # by which a robot is late before all wait for it
 EARLY_SHARE = 0.5  # of that, from which on they begin to

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.by_reference import by_reference
 from rota.check.arrays import Parts
 from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts
 from rota.check.routes import HOLD, LOOP
 from rota.check.shadow_kernels import shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
+from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
 
 SAME_S = 1e-9  # a sight that ends no later than this after a moment brings nothing on

@@ -16,7 +16,7 @@ from rota.check.arrays import Binned, Grid
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.seeable import seeable
 from rota.check.standing import standing_areas
-from rota.mission import Mission, inner_reach_m
+from rota.model.mission import Mission, inner_reach_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

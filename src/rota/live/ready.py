@@ -8,8 +8,8 @@ from shapely import box
 from rota.live.events import Heard, Tick
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan, Trajectory
 
 
 def make_ready() -> None:

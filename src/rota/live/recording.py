@@ -11,7 +11,7 @@ from rota.check.recorded import RecordedTrack
 from rota.live.ages import is_jump
 from rota.live.events import Event, Heard, Tick
 from rota.live.settings import WatchSettings
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rota.refusals import require, require_positive
+from rota.model.refusals import require, require_positive
 
 LONGEST_SILENCE_S = 1e6
 

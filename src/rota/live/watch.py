@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.links.link import Mode
 from rota.live.ages import Ages, is_jump
 from rota.live.battery import Battery
@@ -19,8 +18,9 @@ from rota.live.notices import FleetState, Notice, NoticeKind, RobotState, Standi
 from rota.live.places import places_of
 from rota.live.settings import WatchSettings
 from rota.live.ways import Ways
-from rota.mission import inner_reach_m
-from rota.plan import Plan
+from rota.model.mission import inner_reach_m
+from rota.model.plan import Plan
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 Floats = NDArray[np.float64]
 

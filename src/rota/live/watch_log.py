@@ -29,7 +29,7 @@ from rota.links.link import FAULTS
 from rota.live.events import Dropped, Event, Heard, Tick
 from rota.live.intake import LONGEST_EXAMPLE, MODES
 from rota.live.settings import WatchSettings
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 VERSION = 1
 LONGEST_LINE = 1000  # bytes; a report takes some 60

@@ -9,12 +9,12 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.fleet import Robot, Sensor, inner_reach_m
 from rota.geometry.free_space import border_corners, nearest_free_point, sight_walls, standing_space
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.shortest_path import ShortestPaths
 from rota.live.places import Places
-from rota.mission import Mission
+from rota.model.fleet import Robot, Sensor, inner_reach_m
+from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float]

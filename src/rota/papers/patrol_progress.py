@@ -14,11 +14,11 @@ from typing import Any
 from rota.compare import load_compiled_loops
 from rota.errors import NoPlanFound
 from rota.files.atomic_write import require_suffix, write_atomically
-from rota.make_plan import search_plan
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.progress import ProgressPoint, SearchState, progress_curve
+from rota.planning.make_plan import search_plan
+from rota.planning.progress import ProgressPoint, SearchState, progress_curve
 
 PICTURES, NUMBERS = (".png", ".svg", ".pdf"), (".csv", ".json")
 OUTPUTS = PICTURES + NUMBERS

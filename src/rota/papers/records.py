@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from rota import __version__
 from rota.errors import RotaError
 from rota.files.mission_json import mission_to_json
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.plain import alike, built, plain
-from rota.plan import Plan, Trajectory
 
 Json = dict[str, Any]
 T = TypeVar("T")

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.entered_cells import entries_of_cells
-from rota.plan import Plan, Trajectory
+from rota.cells.entered_cells import entries_of_cells
+from rota.model.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.cell_map import CellMap, cell_map_of
+from rota.cells.cell_map import CellMap, cell_map_of
 from rota.check import revisits, seeable, standing
 from rota.check.demands import demands_of
 from rota.check.presence import away_times_s
@@ -18,8 +18,8 @@ from rota.check.revisits import sights_along
 from rota.check.routes import routes_of, sensors_of
 from rota.live.kernels import PlannedSights
 from rota.live.planned_sights import sights_by_plan
-from rota.mission import AREA, Mission
-from rota.plan import Plan
+from rota.model.mission import AREA, Mission
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.cell_map import cell_map_of
+from rota.cells.cell_map import cell_map_of
 from rota.check.presence import away_times_s
 from rota.check.routes import sensors_of
-from rota.mission import DiscSensor
-from rota.plan import Plan
-from rota.plan_summary import range_at_the_end
+from rota.model.mission import DiscSensor
+from rota.model.plan import Plan
+from rota.planning.plan_summary import range_at_the_end
 from rota.playback import kernels
 
 Floats = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rota.files.mission_json import mission_to_json
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 Json = dict[str, Any]
 

@@ -15,8 +15,8 @@ import rota
 from rota.check.report import DemandVerdict, Report
 from rota.check.report_table import report_table
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.plan import Plan
-from rota.plan_summary import RobotRow, bound_sentence, ratio_sentence, robot_rows, robots_sentence, rounded
+from rota.model.plan import Plan
+from rota.planning.plan_summary import RobotRow, bound_sentence, ratio_sentence, robot_rows, robots_sentence, rounded
 from rota.playback.playback import CELLS, playback_of
 
 STATIC = Path(rota.__file__).parent / "web" / "static"

@@ -8,8 +8,7 @@ import numpy as np
 from shapely import get_coordinates, get_rings
 from shapely.geometry.base import BaseGeometry
 
-from rota.cell_map import cell_map_of
-from rota.constant_speeds import plan_at_constant_speeds
+from rota.cells.cell_map import cell_map_of
 from rota.draw.route_lines import robot_colours
 from rota.draw.sightings import Sightings
 from rota.errors import PlanError
@@ -26,7 +25,8 @@ from rota.files.ros.wire import (
     pose_messages,
     transform_messages,
 )
-from rota.plan import Floats, Plan
+from rota.model.plan import Floats, Plan
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 MAP_CELLS, AGE_CELLS = 40_000, 16_000
 LINE_LIST, ADD, DELETE = 5, 0, 2  # visualization_msgs/Marker

@@ -16,10 +16,10 @@ from rota.files.mission_file import mission_document, mission_of
 from rota.files.mission_json import mission_to_json
 from rota.files.sweep_file import ReadSweep, SweepFile
 from rota.files.yaml_text import Document
-from rota.mission import Mission
-from rota.planner import planner_named
-from rota.planner_registry import DEFAULT, planner_names
-from rota.planner_settings import settings_of
+from rota.model.mission import Mission
+from rota.model.planner_registry import DEFAULT, planner_names
+from rota.model.planner_settings import settings_of
+from rota.planning.planner import planner_named
 
 KEY_LENGTH = 20  # hexadecimal digits: a million cells share one with a chance of 1e-12
 

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
-    from rota.plan import Plan
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
 
 Row = dict[str, Any]
 
@@ -77,8 +77,8 @@ def planned_cell(task: Task, rota_version: str) -> Planned:
 
 def searched(task: Task) -> tuple[Plan | None, Row]:
     """The plan of a search, or the best one of a search that failed, with the outcome and its reason."""
-    from rota.make_plan import search_plan
-    from rota.plan import Plan
+    from rota.model.plan import Plan
+    from rota.planning.make_plan import search_plan
 
     runs: list[Any] = []
     observe = runs.append if task.mission.planning.makes_runs else None
@@ -104,8 +104,8 @@ def checked(plan: Plan, *, met: bool) -> tuple[str, Row]:
     met: the search says so; a check that does not is a fault of ours, and the outcome says so.
     """
     from rota.check import check_plan, report_to_json
-    from rota.distinct_loops import distinct_loops
     from rota.files.plan_file import plan_from_text, plan_text
+    from rota.routes.distinct_loops import distinct_loops
 
     text = plan_text(plan, meets_demand=met)
     began_s = time.perf_counter()

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import RotaError
-from rota.plan import Floats
-from rota.route import RouteStop
+from rota.model.plan import Floats
+from rota.routes.route import RouteStop
 from rota.vehicles.blend_kernels import round_of
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.kernels import GRAVITY_M_S2, Air, Control, Course, fly

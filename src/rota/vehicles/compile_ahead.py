@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rota.route import RouteStop
+from rota.routes.route import RouteStop
 from rota.vehicles.models import model_of
 from rota.vehicles.motion import Way, Wind
 from rota.vehicles.presets import ARDUCOPTER

@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from rota.errors import RotaError
-from rota.plan import Floats, Trajectory
-from rota.route import RouteStop
+from rota.model.plan import Floats, Trajectory
+from rota.routes.route import RouteStop
 from rota.vehicles.track_kernels import kept_samples
 
 WITHIN_M = 0.05  # a trajectory's straight legs stay so near to the motion, at every moment

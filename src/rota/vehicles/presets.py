@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rota.errors import RotaError
-from rota.motion_limits import MotionLimits
+from rota.model.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
 
 _COPTER_4_6 = "ArduCopter 4.6, default"  # AC_WPNav.cpp, ArduCopter/config.h and ardupilot.org/copter/docs/parameters

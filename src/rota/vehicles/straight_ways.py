@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import RotaError
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 from rota.vehicles.track_kernels import kept_samples
 
 

@@ -21,8 +21,8 @@ from rota.files.executed.mavlink import exactly, told, told_by_qgroundcontrol, t
 from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 from rota.files.mission_items import Item
 from rota.files.plan_table import csv_text
-from rota.mission import Robot
-from rota.plan import Floats, Plan, Trajectory
+from rota.model.mission import Robot
+from rota.model.plan import Floats, Plan, Trajectory
 
 PLAN = two_robots(robots=("a", "b"))
 # metres that places may be off by their digits, and seconds that times may be

@@ -25,8 +25,8 @@ from rota.errors import PlanError, RotaError
 from rota.files.ros.bags import write_rosbag1, write_rosbag2
 from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
 from rota.files.ros.poses import sampled_tracks
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan, Trajectory
 
 START = datetime(2026, 5, 1, 12, tzinfo=UTC)
 START_S = 1_777_636_800

@@ -11,7 +11,7 @@ from tests.files.two_robots import two_robots, with_heights
 from rota.errors import PlanError
 from rota.files.ros.names import namespaces
 from rota.files.ros.poses import MOST_BETWEEN, Motion, own_tracks, sampled_tracks
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 SQUARE = Trajectory(
     robot="a",

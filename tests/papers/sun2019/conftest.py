@@ -10,12 +10,12 @@ import pytest
 
 from rota.check import check_plan
 from rota.compare import MethodOutcome
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.papers.sun2019.kept import found_of
 from rota.papers.sun2019.printed_settings import AS_PRINTED
 from rota.papers.sun2019.results import Found, Printed
 from rota.papers.sun2019.runs import Runs, StudySettings
-from rota.plan import Plan
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings
 

@@ -13,7 +13,8 @@ from shapely import box
 from tests.papers.sun2019.conftest import Asked
 
 from rota.check.revisits import worst_gaps_s
-from rota.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.cases import Case, brief, case_of, gaps_table, robots_table, routes_table, zones_table
 from rota.papers.sun2019.loops import loops_of
@@ -23,7 +24,6 @@ from rota.papers.sun2019.results import Found, Sensors, ZoneSensors
 from rota.papers.sun2019.runs import Runs
 from rota.papers.sun2019.verdicts import adapts_verdict, coverage_verdict, rules_verdicts, verdicts_of_cases
 from rota.papers.verdict import Outcome
-from rota.plan import Plan, Trajectory
 
 pytestmark = pytest.mark.usefixtures("without_search")
 

@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 from rota.errors import RotaError
+from rota.model.plan import Plan
 from rota.papers.study import Study, listed_figures, write_study
 from rota.papers.study_runs import StudyStopped
 from rota.papers.sun2019 import runs as runs_module
@@ -23,7 +24,6 @@ from rota.papers.sun2019.printed_settings import TABLE_7
 from rota.papers.sun2019.runs import Reading, Runs, StudySettings
 from rota.papers.sun2019.study import sun2019_study
 from rota.papers.verdict import spread
-from rota.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings

@@ -12,8 +12,8 @@ from rota.check import check_plan
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.files.mission_json import mission_to_json
-from rota.make_plan import make_plan, search_plan
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.make_plan import make_plan, search_plan
 
 LANE = """
 rota: 1

@@ -15,9 +15,8 @@ from shapely import MultiPolygon, Point, box
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.files.text_map import text_map
-from rota.make_plan import make_plan, search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Plan
 from rota.planners.bounce import chosen_group, sentences
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
@@ -27,6 +26,7 @@ from rota.planners.bounce.planner import bouncing_robots, covered_by, monitoring
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.sentences import rattling_sentence, swept_sentence
 from rota.planners.bounce.trajectories import pace_of, step_duration_s
+from rota.planning.make_plan import make_plan, search_plan
 
 ROOM = """
 ..........

@@ -11,7 +11,7 @@ from shapely import MultiPolygon
 
 from rota.check.clocks import clock_margin_s
 from rota.files.text_map import text_map
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.clock_margin import apart_in_time

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from tests.planners.bounce.test_bounce_plans import ROOM, ZONES, mission_on
 
-from rota.make_plan import search_plan
 from rota.planners.bounce.physics_sentences import clocks_sentence
+from rota.planning.make_plan import search_plan
 
 
 @pytest.mark.parametrize(("margin_s", "told"), [(0.047, "use it up in 4.7 s"), (0.6, None)])

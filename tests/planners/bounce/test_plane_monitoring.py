@@ -14,14 +14,14 @@ from rota.check.clocks import clock_margin_s
 from rota.draw import draw_cells
 from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.create2_legs import drives_of
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.plan import Plan
-from rota.planner import Answer, planner_of
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.plan import Plan
 from rota.planners.bounce.physics_sentences import errors_sentence
 from rota.planners.bounce.plane_tracks import tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
+from rota.planning.make_plan import search_plan
+from rota.planning.planner import Answer, planner_of
 
 SPEED_M_S, BODY_M = 0.4, 0.17
 SLANTED = Polygon([(0, 0), (10, 0), (10, 6), (6, 10), (0, 10)])

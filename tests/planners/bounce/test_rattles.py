@@ -7,12 +7,12 @@ import pytest
 from tests.planners.bounce.test_bounce_plans import mission_on, visit
 
 from rota.check import check_plan
-from rota.make_plan import make_plan
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.planner import bouncing_robots, watch_of
 from rota.planners.bounce.rattles import is_rattle, rattling_nodes, rattling_robots
 from rota.planners.bounce.sentences import rattling_sentence
+from rota.planning.make_plan import make_plan
 
 YARD = """
 ..#....

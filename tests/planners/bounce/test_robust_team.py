@@ -10,11 +10,11 @@ from tests.planners.bounce.test_bounce_plans import ROOM, ZONES, mission_on
 
 from rota.check import check_plan
 from rota.errors import MissionError
-from rota.make_plan import make_plan
 from rota.planners.bounce import robust_team
 from rota.planners.bounce.inexact_plan import Inexact, Kept, with_errors
 from rota.planners.bounce.inexact_turns import Estimate
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.make_plan import make_plan
 
 
 def left_of(share: float, half_s: float) -> Inexact:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings

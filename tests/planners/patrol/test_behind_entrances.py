@@ -13,7 +13,7 @@ from shapely import MultiPolygon, box
 import rota
 from rota.check import check_plan
 from rota.geometry.free_space import standing_anywhere, standing_space
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartPoints
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartPoints
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.standing import space_for
 from rota.planners.patrol.methods.large.cells import entered_in, missions_of

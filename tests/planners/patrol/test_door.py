@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import rota
 from rota.files.plan_file import plan_text
-from rota.make_plan import search_plan
-from rota.planner import planner_named
 from rota.planners.patrol import PatrolPlanner
+from rota.planning.make_plan import search_plan
+from rota.planning.planner import planner_named
 
 
 def test_the_bound_proved_without_planning_is_the_plan_s() -> None:

@@ -8,15 +8,15 @@ from shapely import MultiPolygon, box
 
 import rota
 from rota.check import Report, check_plan
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, SquareSensor, StartBox, Zone
-from rota.plan import Plan
-from rota.plan_summary import approach_sentence
+from rota.model.mission import DiscSensor, Fleet, Mission, SquareSensor, StartBox, Zone
+from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import shorter_sensor, with_reserve
 from rota.planners.patrol.planner import plan_patrol
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planning.make_plan import search_plan
+from rota.planning.plan_summary import approach_sentence
 
 
 def court(turn: float | None = None, **settings: Any) -> Mission:

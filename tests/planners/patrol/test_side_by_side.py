@@ -13,7 +13,7 @@ from tests.planners.patrol.searching import YARD, hasty_search_on, search_on
 from rota.check import Report, check_plan
 from rota.engines.processes import LocalProcesses
 from rota.files.plan_file import plan_text
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.planners.patrol.annealing.schedule import anneal_all
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.initial.allocation import period_groupings

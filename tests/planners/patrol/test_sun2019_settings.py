@@ -14,10 +14,10 @@ from rota.files.plan_file import plan_from_json, plan_to_json
 from rota.files.sweep_file import read_sweep
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
+from rota.model.planner_settings import Settings, settings_of
 from rota.papers.sun2019.printed_settings import AS_PRINTED, TABLE_7
-from rota.plan import Plan, Trajectory
-from rota.planner_settings import Settings, settings_of
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4
 from rota.planners.patrol.methods.sun2019.settings import settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors

@@ -13,7 +13,7 @@ from tests.planners.patrol.searching import search_on
 
 import rota
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as problems
 from rota.planners.patrol.ground.keeping_off import farthest_place, keeping_off
 from rota.planners.patrol.ground.problem import Problem, set_up_problem

@@ -9,7 +9,7 @@ import pytest
 from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import NoPlanFound
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.tight_corners import require_corners_in_reach
 
 FLEET = Fleet(speed_m_s=18.0, sensor=DiscSensor(radius_m=25.0), turn_radius_m=75.0)

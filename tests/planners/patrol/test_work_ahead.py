@@ -13,9 +13,9 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.command.terminal import reading_ahead
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.planner import planner_of
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.work_ahead import planning_ahead
+from rota.planning.planner import planner_of
 
 
 def field(area: Polygon, *, period_s: float = 600, radius_m: float = 10, turn_rate: float | None = None) -> Mission:

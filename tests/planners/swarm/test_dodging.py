@@ -10,7 +10,7 @@ import pytest
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot
 from rota.planners.swarm.dodge_kernels import out_of_way
 from rota.planners.swarm.planner import DECIDE, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings

@@ -13,10 +13,10 @@ from tests.planners.swarm.conftest import in_box
 from tests.planners.swarm.test_area_gradient import ALL, GROUND, MOVED_M
 
 from rota import check_plan
+from rota.cells.importance_cells import ImportanceCells, importance_cells, importance_in_range
 from rota.errors import MissionError
 from rota.files.plan_file import plan_text
-from rota.importance_cells import ImportanceCells, importance_cells, importance_in_range
-from rota.mission import DiscSensor, Fleet, ImportanceMap, Mission, Obstacle, StartBox, Zone
+from rota.model.mission import DiscSensor, Fleet, ImportanceMap, Mission, Obstacle, StartBox, Zone
 from rota.planners.swarm.arc_kernels import exposed_arcs
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.importance_field import field_of

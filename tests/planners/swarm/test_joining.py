@@ -15,13 +15,13 @@ from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.files.plan_file import plan_from_text, plan_text
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Robot, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, StartBox
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.metrics import Observer
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.state import Hearing
+from rota.planning.make_plan import search_plan
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.reach import unreached_ground

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
-from rota.mission import MovingObstacle
+from rota.model.mission import MovingObstacle
 from rota.planners.swarm.reciprocal_kernels import half_plane
 from rota.planners.swarm.rollout import Swarm
 

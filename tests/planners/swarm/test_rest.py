@@ -12,12 +12,12 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import PlanError
 from rota.files.plan_file import plan_from_json, plan_to_json
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, StartBox
-from rota.plan import RunEnd
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, StartBox
+from rota.model.plan import RunEnd
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planning.make_plan import search_plan
 
 
 def swarm(

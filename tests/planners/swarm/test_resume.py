@@ -13,12 +13,12 @@ from shapely import MultiPolygon, box
 from rota.errors import CheckpointError, MissionError
 from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
 from rota.files.plan_file import plan_text
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, StartBox
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner import SwarmRun, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.trajectory_log import LONGEST_BLOCK
+from rota.planning.make_plan import search_plan
 
 
 def mission(robots: int = 16, most_steps: int = 300, side_m: float = 170, **changed: Any) -> Mission:

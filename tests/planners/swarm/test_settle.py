@@ -16,7 +16,7 @@ from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.papers.chen2018.maps import square
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.metrics import covered_share

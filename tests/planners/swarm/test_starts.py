@@ -13,7 +13,7 @@ from shapely import MultiPolygon, box
 from rota.check import check_plan
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.planners.swarm import starts
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings

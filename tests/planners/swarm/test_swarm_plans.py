@@ -14,9 +14,8 @@ from rota.check import check_plan, report_table, report_to_json
 from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.geometry.free_space import free_ground
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, StartBox, Zone
-from rota.plan import RunEnd
+from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, StartBox, Zone
+from rota.model.plan import RunEnd
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import make_swarm, run_mission
@@ -25,6 +24,7 @@ from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.sentences import covered_sentence, holding_sentence
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
+from rota.planning.make_plan import search_plan
 
 
 def mission(robots: int = 12, side_m: float = 150, body_m: float = 0.5, **changed: Any) -> Mission:

@@ -19,8 +19,8 @@ from rota.draw.palette import LineStyle
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
 from rota.draw.zone_labels import draw_zone_labels
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from rota.draw.palette import GROUND
-from rota.mission import Mission
+from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.files.executed.timed_files import driven_at
 from rota.files.ros.bags import write_rosbag1, write_rosbag2
 from rota.files.ros.library import require_rosbags, types_of
 from rota.files.ros.names import namespaces
 from rota.files.ros.wire import NS_PER_S
 from rota.files.timed_places import START
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 
 def as_bag(plan: Plan, storage: Literal["mcap", "sqlite3", "rosbag1"]) -> tuple[Trajectory, ...]:

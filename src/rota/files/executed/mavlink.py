@@ -32,8 +32,8 @@ from rota.files.mission_items import (
 )
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.files.waypoint_list import waypoint_list_text
-from rota.plan import Plan, Trajectory
-from rota.route import RouteStop
+from rota.model.plan import Plan, Trajectory
+from rota.routes.route import RouteStop
 
 DEGREE = 1e-7  # of MISSION_ITEM_INT
 CENTIMETRES = 100.0

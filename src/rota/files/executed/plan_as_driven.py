@@ -10,7 +10,7 @@ from rota.files.executed.bags import as_bag
 from rota.files.executed.mavlink import as_qgroundcontrol, as_waypoints
 from rota.files.executed.timed_files import as_csv, as_geojson, as_gpx, as_kml
 from rota.files.executed.written_routes import as_dji_waylines, as_nav2_waypoints, as_vda5050_orders
-from rota.plan import Plan, Trajectory
+from rota.model.plan import Plan, Trajectory
 
 Driven = Callable[[Plan], tuple[Trajectory, ...]]
 

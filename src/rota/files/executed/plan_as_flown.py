@@ -9,13 +9,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from rota.driven_route import from_start
 from rota.errors import RotaError
 from rota.files.executed.mavlink import Told, told_by_qgroundcontrol, told_by_waypoints
-from rota.fleet import Fleet, Robot
-from rota.motion_limits import AT_ONCE
-from rota.plan import Plan, Trajectory
-from rota.route import route_of
+from rota.model.fleet import Fleet, Robot
+from rota.model.motion_limits import AT_ONCE
+from rota.model.plan import Plan, Trajectory
+from rota.routes.driven_route import from_start
+from rota.routes.route import route_of
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.models import model_of
 from rota.vehicles.motion import Motion, MotionModel, Way, Wind

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from rota.driven_route import driven, from_start
-from rota.plan import Trajectory
-from rota.route import RouteStop, route_of
-from rota.turning import turning
+from rota.model.plan import Trajectory
+from rota.routes.driven_route import driven, from_start
+from rota.routes.route import RouteStop, route_of
+from rota.routes.turning import turning
 
 SAME_STOP_M = 0.1  # within which a stop of a file is one of the plan, rounded
 

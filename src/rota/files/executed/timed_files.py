@@ -11,14 +11,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from rota.constant_speeds import plan_at_constant_speeds
 from rota.files import gpx_tracks, kml_tour
 from rota.files.geodesy import Projection, projection_of
 from rota.files.geojson import geojson_text
 from rota.files.plan_table import csv_text
 from rota.files.spreadsheet_cells import from_cell
 from rota.files.timed_places import START
-from rota.plan import Floats, Plan, Trajectory
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.routes.constant_speeds import plan_at_constant_speeds
 
 NAMES = {"k": kml_tour.NAMESPACE, "gx": kml_tour.EXTENSIONS, "g": gpx_tracks.NAMESPACE}
 METRE_DIGITS = 8

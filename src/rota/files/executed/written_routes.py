@@ -10,7 +10,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from rota.driven_route import from_start
 from rota.files.dji_waylines import (
     KML_NAMESPACE,
     WAYLINES,
@@ -25,8 +24,9 @@ from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
 from rota.files.timed_places import START
 from rota.files.vda5050_files import OrderSettings, orders_text
 from rota.files.vda5050_versions import Json
-from rota.plan import Plan, Trajectory
-from rota.route import RouteStop, route_of, start_height_m
+from rota.model.plan import Plan, Trajectory
+from rota.routes.driven_route import from_start
+from rota.routes.route import RouteStop, route_of, start_height_m
 
 NAMES = {"k": KML_NAMESPACE, "w": WPML_NAMESPACE}
 PANEL_ENTRY = re.compile(

@@ -28,7 +28,7 @@ from rota.files.ros.wire import (
     stamps_ns,
     transform_messages,
 )
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Qos

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.mission import Mission
-from rota.plan import Floats
+from rota.model.mission import Mission
+from rota.model.plan import Floats
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 WITHIN = 1e-6  # of a cell: what only touches its border is not in it

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from rota.errors import PlanError
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 MAP_FRAME = "map"
 LONGEST_NAMESPACE = 200  # DDS counts 255 letters of a topic, of which the topic's own name takes some

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rota.constant_speeds import at_constant_speeds, plan_at_constant_speeds
 from rota.errors import PlanError
 from rota.files.ros.names import namespaces
-from rota.plan import Floats, Plan, Trajectory
+from rota.model.plan import Floats, Plan, Trajectory
+from rota.routes.constant_speeds import at_constant_speeds, plan_at_constant_speeds
 
 USUAL_STEP_S = 0.1
 MOST_BETWEEN = 50_000  # poses of a whole plan that are not at timed points: beyond that steps are longer

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.alam2020 import paper
 from rota.papers.alam2020.inexact import Seen
 from rota.papers.alam2020.runs import CoverRuns, Driven

@@ -11,7 +11,8 @@ import numpy as np
 from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.panels.curve_panel import Curve, CurvePanel
 from rota.draw.panels.study_picture import Panel
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import (
     driven_verdict,
@@ -26,7 +27,6 @@ from rota.papers.alam2020.panels import entries_panel, headings_panel, starts_pa
 from rota.papers.alam2020.runs import METHODS, CoverRuns, Runs
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted, joined
-from rota.plan import Plan
 from rota.planners.bounce.planner_settings import BounceMethod
 
 COLOURS = dict(zip(METHODS, (ROUTE_COLOURS[0], ROUTE_COLOURS[3]), strict=True))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.alam2020 import maps
 from rota.papers.alam2020.runs import Runs
 from rota.papers.records import what

@@ -11,7 +11,7 @@ from scipy.ndimage import label
 from shapely import MultiPolygon, Polygon, box
 
 from rota.files.text_map import text_map
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.planner_settings import BounceSettings
 
 ROOM_10 = """

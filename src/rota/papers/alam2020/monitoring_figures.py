@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.draw.panels.study_picture import Panel
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import apart_verdict, driven_verdict, groups_verdict
 from rota.papers.alam2020.panels import headings_panel, ways_panel
@@ -25,7 +26,6 @@ from rota.papers.alam2020.watched import (
 )
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted
-from rota.plan import Plan
 from rota.planners.bounce.planner_settings import BounceSettings, Purpose
 
 OTHER_ANGLE_DEG = 135.0

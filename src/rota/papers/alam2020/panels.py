@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from rota.draw.palette import route_style
 from rota.draw.panels.cells_panel import HeadingsPanel, HeatPanel
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings
 

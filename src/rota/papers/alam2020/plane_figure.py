@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.panels.map_panel import MapPanel, Strokes
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.grid_beside_plane import GridBesidePlane, compare_grid_and_plane
 from rota.papers.alam2020.runs import Runs

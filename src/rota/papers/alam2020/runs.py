@@ -11,21 +11,21 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.cells.entered_cells import entries_of_cells
 from rota.check import check_plan
-from rota.entered_cells import entries_of_cells
 from rota.errors import NoPlanFound, PlanError
 from rota.files.create2_legs import drives_of
 from rota.geometry.free_space import free_ground
-from rota.make_plan import search_plan
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.alam2020 import paper
 from rota.papers.records import DIGEST, drawn_ways, plan_digest, what
 from rota.papers.study_runs import StudyRuns
-from rota.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.coverage import Coverage
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, coverage_plan, covered_by
 from rota.planners.bounce.planner_settings import BounceMethod, BounceSettings
+from rota.planning.make_plan import search_plan
 
 Longs = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.alam2020 import maps
 from rota.papers.alam2020.runs import Runs, Watching, watching
 from rota.papers.records import drawn_ways, what
-from rota.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.enumeration import enumerate_groups, printed

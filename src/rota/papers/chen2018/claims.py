@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Mission, MovingObstacle, Robot
+from rota.model.mission import DiscSensor, Mission, MovingObstacle, Robot
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.decision_times import decision_us
 from rota.papers.chen2018.runs import EXACT, FILTERED, Runs, covered_in, what

@@ -12,7 +12,7 @@ from rota.draw.palette import OVER_PERIOD
 from rota.draw.panels.curve_panel import CurvePanel, Level
 from rota.draw.panels.map_panel import MapPanel
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.gain_sweep import gain_table
 from rota.papers.chen2018.panels import COLOURS, coverage_panel, mean_curves, ways_panel

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import COMPARED, EXACT, FORCES, SAMPLED, VORONOI, Controller, Runs
 from rota.papers.plain import changes

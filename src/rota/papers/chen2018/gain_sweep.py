@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import FORCES, Runs, what
 from rota.papers.tables import Table

@@ -11,7 +11,7 @@ import numpy as np
 from rota.draw.panels.curve_panel import Curve, CurvePanel
 from rota.draw.panels.map_panel import MapPanel
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers import records
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.panels import COLOURS, coverage_panel, ways_panel

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox
 from rota.papers.chen2018 import paper
 from rota.planners.swarm.planner_settings import SwarmSettings
 

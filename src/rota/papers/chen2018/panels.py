@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
 from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import paper
 from rota.papers.chen2018.runs import (
     EXACT,

@@ -14,7 +14,8 @@ from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
 from rota.draw.panels.map_panel import Dots, MapPanel
 from rota.draw.panels.relief_panel import ReliefPanel
 from rota.errors import LinkError
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.gazebo_figure import MOST, SHOWN_S
 from rota.papers.chen2018.panels import COLOURS, SHADE
@@ -22,10 +23,9 @@ from rota.papers.chen2018.runs import FILTERED, SETTLE, Controller, Outcome, Run
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, plus_minus
 from rota.papers.verdict import Verdict, mostly
-from rota.plan import Plan
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import scene_for
-from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
+from rota.planning.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers import records
 from rota.papers.chen2018 import paper
 from rota.papers.plain import changes

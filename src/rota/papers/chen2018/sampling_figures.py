@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.panels.curve_panel import Curve, CurvePanel
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import EXACT, SAMPLED, Runs, places_at_steps, what
 from rota.papers.chen2018.velocity_set import VelocitySet

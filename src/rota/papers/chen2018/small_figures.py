@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rota.draw.palette import route_style
 from rota.draw.panels.curve_panel import Curve, CurvePanel
 from rota.draw.panels.map_panel import MapPanel
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.dense import TRIED, counted_contacts
 from rota.papers.chen2018.panels import coverage_panel, distance_panel, ways_panel

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import AREA, Mission
+from rota.model.mission import AREA, Mission
 from rota.papers.sun2019.panels import zone_title
 from rota.papers.sun2019.paper import PaperCase, PaperRoute
 from rota.papers.sun2019.results import Found, Printed

@@ -7,11 +7,11 @@ import numpy as np
 from rota.check import check_plan
 from rota.compare import MethodOutcome
 from rota.draw.gap_map import gap_map
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.papers.records import drawn_ways, plan_digest
 from rota.papers.sun2019.loops import loops_of
 from rota.papers.sun2019.results import Found, Printed, sensors_of, way_of
-from rota.plan import Plan, Trajectory
 from rota.planners.patrol.methods.sun2019.stages import Stages
 
 LATE_CELLS = 60_000  # half a metre each on Figure 13's map

@@ -7,10 +7,10 @@ import math
 from shapely import LineString, Point
 
 from rota.draw.routes import Route, routes_of
-from rota.mission import AREA
+from rota.model.mission import AREA
+from rota.model.plan import Plan
 from rota.papers.sun2019.results import Loop
-from rota.plan import Plan
-from rota.plan_summary import zones_served
+from rota.planning.plan_summary import zones_served
 
 
 def loops_of(plan: Plan) -> tuple[Loop, ...]:

@@ -9,7 +9,7 @@ import shapely
 from shapely import MultiPolygon, Polygon
 
 from rota.files.rings import circle_ring
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 
 RECONSTRUCTED = "The map is a reconstruction: the paper prints no coordinates."
 

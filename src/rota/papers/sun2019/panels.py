@@ -11,10 +11,10 @@ from shapely import LineString
 from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
 from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
-from rota.mission import AREA, Mission
+from rota.model.mission import AREA, Mission
+from rota.model.plan import Plan
 from rota.papers.sun2019.results import Found, Printed, Sensors, Way, ZoneSensors
 from rota.papers.tables import counted
-from rota.plan import Plan
 from rota.planners.patrol.methods.sun2019.partition import Partition
 
 Floats = NDArray[np.float64]

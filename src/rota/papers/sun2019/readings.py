@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.cases import with_late, with_late_spread
 from rota.papers.sun2019.panels import zone_title

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.methods.sun2019.deploy import Deployment
 from rota.planners.patrol.methods.sun2019.partition import Partition
 from rota.planners.patrol.methods.sun2019.tour import Frame

@@ -15,7 +15,7 @@ from rota.check import check_plan
 from rota.compare import MethodOutcome, load_compiled_loops, outcome_of
 from rota.geometry.free_space import demanded_regions, standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.plain import changes
 from rota.papers.records import mission_digest, what
 from rota.papers.study_runs import StudyRuns

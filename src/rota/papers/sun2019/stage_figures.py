@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.draw.panels.curve_panel import CurvePanel
 from rota.draw.panels.map_panel import MapPanel
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.papers.section import Picture, Section
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.cases import brief

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from rota.planner import Answer, Planner, Request
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.planner import Answer, Planner, Request
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
-    from rota.plan import Plan
-    from rota.planner import Report
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
+    from rota.planning.planner import Report
 
 
 class BouncePlanner(Planner):
@@ -37,9 +37,9 @@ class BouncePlanner(Planner):
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """The table of robots and loops, what the search found, and what is left of the plan when turns are inexact."""
-        from rota.plan_summary import approach_sentence, ratio_sentence, robots_table
         from rota.planners.bounce.physics_sentences import clocks_sentence, errors_sentence
         from rota.planners.bounce.sentences import rattling_sentence, swept_sentence
+        from rota.planning.plan_summary import approach_sentence, ratio_sentence, robots_table
 
         plan = answer.plan
         if report.demands:
@@ -65,7 +65,7 @@ class BouncePlanner(Planner):
         """Two robots that watch a door and a window."""
         import shapely
 
-        from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
+        from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Zone
 
         sensor = DiscSensor(radius_m=0.25)
         robots = tuple(

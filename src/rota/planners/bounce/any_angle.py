@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from rota.errors import MissionError, NoPlanFound
-from rota.mission import Mission
-from rota.plan import Plan
-from rota.planner import Answer, Request
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import rattling_robots
 from rota.planners.bounce.robust_team import most_robust
+from rota.planning.planner import Answer, Request
 
 IN_PLANE_DEG = (60.0, 80.0, 90.0, 100.0, 112.5, 120.0, 135.0, 140.0, 150.0)
 

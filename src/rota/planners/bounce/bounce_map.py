@@ -24,7 +24,7 @@ from rota.planners.bounce.map_kernels import (
     strip_labels,
     successors,
 )
-from rota.stopping import require_going_on
+from rota.planning.stopping import require_going_on
 
 Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]

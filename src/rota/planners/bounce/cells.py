@@ -12,8 +12,8 @@ from shapely import MultiPolygon, STRtree
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
-from rota.mission import TOUCH_M, Mission
-from rota.planner_settings import Corners
+from rota.model.mission import TOUCH_M, Mission
+from rota.model.planner_settings import Corners
 from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]

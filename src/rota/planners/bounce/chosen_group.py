@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.mission import Mission, Robot
+from rota.model.mission import Mission, Robot
 from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import SettlingRoom, steps_to_cycles

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.bounce.cells import cells_of, make_cells
 from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, TurningError, make_crew, run_crew
 from rota.planners.bounce.planner_settings import BounceSettings

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.mission import Zone
+from rota.model.mission import Zone
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import compare_cycles

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.planners.bounce.inexact_plan import SHARES, Inexact, covering, with_errors
 from rota.planners.bounce.plane_monitoring import PlaneTeam
 from rota.planners.bounce.planner_settings import BounceSettings
@@ -14,7 +14,7 @@ SMALL_MARGIN_S = 0.5  # of clocks, below which people are warned
 USUAL_DRIFT = 0.005  # of a small board's ceramic resonator
 
 if TYPE_CHECKING:
-    from rota.planner import Report
+    from rota.planning.planner import Report
 
 
 def clocks_sentence(plan: Plan, report: Report) -> str | None:

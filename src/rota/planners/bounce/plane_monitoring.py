@@ -16,8 +16,8 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
-from rota.mission import Mission, Robot
-from rota.plan import Plan, Trajectory
+from rota.model.mission import Mission, Robot
+from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.plane_tracks import Track, tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import is_rattle

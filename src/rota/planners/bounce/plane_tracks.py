@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission, Robot, Zone
-from rota.plan import Trajectory
+from rota.model.mission import Mission, Robot, Zone
+from rota.model.plan import Trajectory
 from rota.planners.bounce.clock_kernels import nearest_touch
 from rota.planners.bounce.polygon import BounceRule, make_rim
 from rota.planners.bounce.polygon_cycles import PolygonCycle, limit_cycles, random_starts

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission, Robot
-from rota.plan import Plan
-from rota.planner import Answer
+from rota.model.mission import Mission, Robot
+from rota.model.plan import Plan
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Choice, Chosen, choose_group, out_of_reach
@@ -29,6 +28,7 @@ from rota.planners.bounce.starts import random_starts, robots_of, start_cells
 from rota.planners.bounce.timed_group import TimedGroup, timed_group
 from rota.planners.bounce.trajectories import Pace, pace_of, trajectory
 from rota.planners.bounce.unreached import places_of, unreached_parts
+from rota.planning.planner import Answer
 
 Floats = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self
 
 from rota.errors import MissionError
-from rota.limits import LARGEST_M
-from rota.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
-from rota.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, shown
+from rota.model.limits import LARGEST_M
+from rota.model.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
+from rota.model.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, shown
 
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]

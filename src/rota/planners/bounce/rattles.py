@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.limit_cycles import LimitCycles
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.planners.bounce.chosen_group import Chosen, begin_there, sampled_basins, ways_from_starts
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.inexact_plan import Inexact, with_errors

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import LineString, union_all
 
-from rota.mission import DiscSensor, Mission
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Mission
+from rota.model.plan import Plan
 from rota.planners.bounce.chosen_group import Choice
 from rota.planners.bounce.coverage import Coverage
 from rota.planners.bounce.group_count import TooMany, count_groups

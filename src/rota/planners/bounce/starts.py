@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.mission import TOUCH_M, Mission, Robot
+from rota.model.mission import TOUCH_M, Mission, Robot
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings
 

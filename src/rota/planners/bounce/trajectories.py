@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Mission
-from rota.plan import Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Trajectory
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings
 

@@ -11,11 +11,11 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
-from rota.mission import TOUCH_M, Mission
+from rota.model.mission import TOUCH_M, Mission
+from rota.model.polygons import polygons_of
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.coverage import reachable_cells
 from rota.planners.bounce.planner_settings import BounceSettings
-from rota.polygons import polygons_of
 
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int32]

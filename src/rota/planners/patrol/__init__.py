@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from rota.planner import Answer, Planner, Request
 from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planning.planner import Answer, Planner, Request
 
 if TYPE_CHECKING:
     from rota.compiled.parts import Part
-    from rota.mission import Mission
-    from rota.planner import Report
+    from rota.model.mission import Mission
+    from rota.planning.planner import Report
 
 
 class PatrolPlanner(Planner):
@@ -33,8 +33,14 @@ class PatrolPlanner(Planner):
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """The table of robots and loops, then robots against the bound, why, the worst gap, the way there, pockets."""
-        from rota.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence, robots_table
         from rota.planners.patrol.pockets import pockets_sentence
+        from rota.planning.plan_summary import (
+            approach_sentence,
+            bound_sentence,
+            ratio_sentence,
+            robots_sentence,
+            robots_table,
+        )
 
         plan = answer.plan
         if report.demands:
@@ -65,7 +71,7 @@ class PatrolPlanner(Planner):
         """A small yard; by sun2019 where it is among the methods, for most of its loops are its own."""
         import shapely
 
-        from rota.mission import DiscSensor, Fleet, Mission
+        from rota.model.mission import DiscSensor, Fleet, Mission
 
         return Mission(
             name="yard",

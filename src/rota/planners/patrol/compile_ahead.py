@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.annealing.compile_ahead import FLOAT, longest_moves, moves, typeof, types_of_states
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.bounds.best_bound import prove_bound

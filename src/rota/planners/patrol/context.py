@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submitted_with
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.efforts import EFFORTS
@@ -17,7 +17,7 @@ from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.verdict import Judge
-from rota.progress import Watch
+from rota.planning.progress import Watch
 
 Result = TypeVar("Result")
 Given = ParamSpec("Given")

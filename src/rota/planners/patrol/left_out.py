@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions, sight_walls
-from rota.mission import Mission, inner_reach_m
+from rota.model.mission import Mission, inner_reach_m
 from rota.planners.patrol.ground.problem import common_robot, range_margin
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import has_many_corners, space_for

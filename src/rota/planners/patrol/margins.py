@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rota.mission import DiscSensor, Mission, Robot, Sensor, SquareSensor
+from rota.model.mission import DiscSensor, Mission, Robot, Sensor, SquareSensor
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 

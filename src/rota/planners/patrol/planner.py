@@ -10,8 +10,8 @@ from dataclasses import replace
 import shapely
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
@@ -34,8 +34,8 @@ from rota.planners.patrol.tight_corners import require_corners_in_reach
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
-from rota.progress import Watch
-from rota.stopping import put_off
+from rota.planning.progress import Watch
+from rota.planning.stopping import put_off
 
 SEARCHED = 0.5  # of the time, once robots are fewest: shorter loops take about as long as the search
 LAID_OUT_S = 6.0  # of processor time: a stop is put off by so much while the ground is laid out

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, setting
+from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, setting
+from rota.model.refusals import Where, fleet_blocks, inner, robot_count, shown
 from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.sun2019_settings import Sun2019
-from rota.refusals import Where, fleet_blocks, inner, robot_count, shown
 from rota.vehicles.presets import VEHICLES
 
 Effort = Literal["quick", "normal", "high"]

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from rota.geometry.free_space import standing_space
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 ARC_CORNERS = 64  # of a whole turn round a grown corner, so that coarse arcs part nothing
 

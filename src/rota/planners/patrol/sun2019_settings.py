@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
-from rota.planner_settings import LENGTH, LENGTH_OR_ZERO, Settings, setting, settings_of
-from rota.refusals import Where, shown
+from rota.model.planner_settings import LENGTH, LENGTH_OR_ZERO, Settings, setting, settings_of
+from rota.model.refusals import Where, shown
 
 DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 FrameTour = Literal["local_search", "genetic"]

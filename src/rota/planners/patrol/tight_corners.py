@@ -11,9 +11,9 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.initial.standing import MOST_TRAVEL
-from rota.polygons import polygons_of
 
 ARC_CORNERS = 64  # of a quarter of a circle
 TO_SPARE = 0.01  # of the radius: the corners of arcs driven as straight legs lie up to 0.5 % of it outside

@@ -9,9 +9,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import AREA
-from rota.plan import Plan
-from rota.violation_kinds import ViolationKind
+from rota.model.mission import AREA
+from rota.model.plan import Plan
+from rota.model.violation_kinds import ViolationKind
 
 
 class DemandOutcome(Protocol):

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import shapely
 
-from rota.mission import Mission, inner_reach_m
-from rota.planner import about
+from rota.model.mission import Mission, inner_reach_m
+from rota.planning.planner import about
 
 # measured with the benchmark plan-10-km2 (100,000 squares of the reach: 34 s, 0.76 GB)
 PLANNING_S_PER_SQUARE, MEMORY_PER_SQUARE, MEMORY_AT_LEAST = 3.4e-4, 4.3e3, 3.3e8

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rota.errors import MissionError
-from rota.planner import Answer, Planner, Request
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planning.planner import Answer, Planner, Request
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
-    from rota.planner import Report
-    from rota.robot_processes import ProcessSettings, RobotProcesses
+    from rota.model.mission import Mission
+    from rota.planning.planner import Report
+    from rota.planning.robot_processes import ProcessSettings, RobotProcesses
 
 
 class SwarmPlanner(Planner):
@@ -47,8 +47,8 @@ class SwarmPlanner(Planner):
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """When robots hold, how much they then have in range, and the worst gap."""
-        from rota.plan_summary import ratio_sentence
         from rota.planners.swarm.sentences import covered_sentence, holding_sentence, reach_sentences
+        from rota.planning.plan_summary import ratio_sentence
 
         yield from answer.facts
         yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), *reach_sentences(answer.plan))
@@ -62,7 +62,7 @@ class SwarmPlanner(Planner):
         """Four robots in a yard with a shed."""
         import shapely
 
-        from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+        from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 
         sensor = DiscSensor(radius_m=5)
         robots = tuple(

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
-from rota.importance_cells import ImportanceCells, importance_cells
-from rota.mission import Mission
+from rota.cells.importance_cells import ImportanceCells, importance_cells
+from rota.model.mission import Mission
 from rota.planners.swarm.offer_kernels import LEVELS, most_offered
 from rota.planners.swarm.state import ImportanceField, PlaceGraph
 

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from rota.importance_cells import ImportanceCells
+from rota.cells.importance_cells import ImportanceCells
 from rota.planners.swarm.free_ground_kernels import load_with_capacity
 from rota.planners.swarm.importance_field import with_worth
 from rota.planners.swarm.state import Kinds, PlaceGraph

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.checkpoint import Checkpoint
+from rota.cells.importance_cells import importance_at, states_importance
 from rota.errors import CheckpointError, MissionError
 from rota.geometry.free_space import free_ground
-from rota.importance_cells import importance_at, states_importance
-from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
-from rota.plan import EndReason, Plan, RunEnd
+from rota.model.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
+from rota.model.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.importance_field import importance_for
@@ -34,6 +33,7 @@ from rota.planners.swarm.starts import passable_reserve_m, place_starts, spare_r
 from rota.planners.swarm.state import FleetKinds, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
+from rota.planning.checkpoint import Checkpoint
 
 Floats = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from rota.importance import every_importance
-from rota.planner_settings import DURATION, LENGTH, LENGTH_OR_ZERO, PlannerSettings, setting
-from rota.refusals import Where, every_change_of_presence, every_period, fleet_blocks, inner, robot_count
+from rota.model.importance import every_importance
+from rota.model.planner_settings import DURATION, LENGTH, LENGTH_OR_ZERO, PlannerSettings, setting
+from rota.model.refusals import Where, every_change_of_presence, every_period, fleet_blocks, inner, robot_count
 
 Controller = Literal["settle", "reciprocal", "voronoi", "virtual_force"]
 Device = Literal["cpu", "cuda"]

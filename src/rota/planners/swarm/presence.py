@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Mission
-from rota.plan import Trajectory
+from rota.model.mission import Mission
+from rota.model.plan import Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import Swarm
 

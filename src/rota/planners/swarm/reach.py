@@ -10,7 +10,7 @@ from shapely import MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import free_ground
-from rota.plan import Plan
+from rota.model.plan import Plan
 
 SPOT = 0.1  # of the smallest sensor's radius: a disc of it is too little ground to be told of
 HALVINGS = 20  # of a door's width

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.swarm.messages import hearing_of, oldest_steps
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import Presence, last_motion

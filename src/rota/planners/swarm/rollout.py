@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rota.cells.importance_cells import ImportanceCells
 from rota.errors import CheckpointError, MissionError
-from rota.importance_cells import ImportanceCells
-from rota.mission import MovingObstacle
+from rota.model.mission import MovingObstacle
 from rota.planners.swarm.deciding import Controller, Deciding, deciding_room
 from rota.planners.swarm.delayed_news_kernels import load_with_told
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances, settle_distances

@@ -8,12 +8,12 @@ import numpy as np
 from shapely import union_all
 from shapely.geometry.base import BaseGeometry
 
+from rota.cells.importance_cells import importance_in_range
 from rota.geometry.free_space import free_ground, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.importance_cells import importance_in_range
-from rota.plan import Plan
-from rota.plan_summary import range_at_the_end, range_from, rounded
+from rota.model.plan import Plan
 from rota.planners.swarm.reach import unreached_ground
+from rota.planning.plan_summary import range_at_the_end, range_from, rounded
 
 TOLD = 5  # parts of the ground that cannot be reached
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.by_reference import by_reference
+from rota.compiled.by_reference import by_reference
 from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
 from rota.planners.swarm.kernels import cell_of, comes_before, compiled, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2

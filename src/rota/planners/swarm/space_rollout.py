@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.importance_cells import ImportanceCells
+from rota.cells.importance_cells import ImportanceCells
 from rota.planners.swarm.chunks import Chunks
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances

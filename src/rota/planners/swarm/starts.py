@@ -13,7 +13,7 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
-from rota.mission import TOUCH_M, Mission, Robot, StartBox
+from rota.model.mission import TOUCH_M, Mission, Robot, StartBox
 from rota.planners.swarm.lattice import lattice_starts
 
 Floats = NDArray[np.float64]

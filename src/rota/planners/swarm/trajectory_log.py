@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.plan import Trajectory
+from rota.model.plan import Trajectory
 from rota.planners.swarm.thinning_kernels import thin
 
 Floats = NDArray[np.float64]

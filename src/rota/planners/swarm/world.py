@@ -9,9 +9,9 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPolygon
 
+from rota.cells.importance_cells import ImportanceCells
 from rota.errors import MissionError
-from rota.importance_cells import ImportanceCells
-from rota.mission import MovingObstacle
+from rota.model.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.importance_field import field_of
 from rota.planners.swarm.kernels import walls_of_cells

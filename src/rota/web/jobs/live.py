@@ -6,7 +6,7 @@ import asyncio
 import time
 from collections import deque
 
-from rota.progress import SteadyProgress
+from rota.planning.progress import SteadyProgress
 from rota.web.refusal import Json
 
 MOST_BETTER = 100  # plans that a listener who is slow can be behind

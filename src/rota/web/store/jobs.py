@@ -6,7 +6,7 @@ import json
 import sqlite3
 from typing import Any
 
-from rota.planner_registry import planner_names
+from rota.model.planner_registry import planner_names
 from rota.web.refusal import Json, Refusal, not_found
 from rota.web.store.database import Database, contents_of, new_id, now
 from rota.web.store.missions import clean_files, mission_source, name_of, planner_of, text_of

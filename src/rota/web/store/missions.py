@@ -7,7 +7,7 @@ import sqlite3
 from collections.abc import Mapping
 from typing import Any
 
-from rota.planner_registry import DEFAULT
+from rota.model.planner_registry import DEFAULT
 from rota.web.refusal import Json, Refusal, not_found
 from rota.web.store.database import (
     Database,

@@ -8,8 +8,8 @@ from importlib.metadata import version
 
 from rota.files.mission_file import mission_schema
 from rota.links.names import LINKS
-from rota.planner import loadable_planners, planner_named
-from rota.planner_settings import settings_of
+from rota.model.planner_settings import settings_of
+from rota.planning.planner import loadable_planners, planner_named
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context
 from rota.web.tasks.export import formats_json, settings_json

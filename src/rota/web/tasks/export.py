@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rota.errors import RotaError
 from rota.exports import FORMATS, Export, export_of
-from rota.planner_settings import Settings, settings_of
+from rota.model.planner_settings import Settings, settings_of
 from rota.web.refusal import Json, Refusal
 from rota.web.tasks.context import Context
 from rota.web.tasks.show import kept_plan

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import shapely
 from shapely import Polygon
 
-from rota.fleet import Robot, StartBox, StartPoints, inner_reach_m
-from rota.mission import Mission
+from rota.model.fleet import Robot, StartBox, StartPoints, inner_reach_m
+from rota.model.mission import Mission
 from rota.web.refusal import Json
 from rota.web.tasks.context import fault_json
 

@@ -14,7 +14,7 @@ import shapely
 
 from rota.files.geojson_shapes import Feature, read_features
 from rota.files.mission_json import polygons_to_json
-from rota.polygons import polygons_of
+from rota.model.polygons import polygons_of
 from rota.web.refusal import Json, Refusal
 from rota.web.tasks.context import laid_out
 

@@ -15,7 +15,7 @@ from shapely import Polygon, unary_union
 from rota.errors import MissionError
 from rota.files.geojson_shapes import Feature, pick_feature, read_features
 from rota.files.mission_json import polygons_to_json
-from rota.polygons import polygons_of
+from rota.model.polygons import polygons_of
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context, laid_out
 from rota.web.tasks.sources import Source

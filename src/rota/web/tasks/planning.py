@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rota.errors import NoPlanFound, RotaError
-from rota.make_plan import PlanSearch, search_plan
+from rota.planning.make_plan import PlanSearch, search_plan
 from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import job_source
 from rota.web.store.plans import NewPlan, finish_plan, forget_old_steps, forget_steps, keep_plan
@@ -17,8 +17,8 @@ from rota.web.tasks.validate import faults_json, judged_document
 
 if TYPE_CHECKING:
     from rota.check.report import Report
-    from rota.mission import Mission
-    from rota.plan import Plan
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
 
 KEPT_STEPS = 2  # plans on the way that stay until another job begins: one may be on its way to a page
 PROGRESS_EVERY_S = 0.1

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shapely
 
-from rota.compiled_cache import is_compiled
-from rota.first_run import compiled_by_two
-from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PlannerSettings, Zone
-from rota.planner import planner_named, planner_of
-from rota.planner_registry import DEFAULT
+from rota.compiled.compiled_cache import is_compiled
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, PlannerSettings, Zone
+from rota.model.planner_registry import DEFAULT
+from rota.planning.first_run import compiled_by_two
+from rota.planning.make_plan import search_plan
+from rota.planning.planner import planner_named, planner_of
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context
 

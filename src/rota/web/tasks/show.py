@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rota.errors import PlanError
 from rota.files.plan_file import plan_from_text
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.web.refusal import Json, Refusal
 from rota.web.store.plans import keep_plan, plan_text
 from rota.web.tasks.context import Context

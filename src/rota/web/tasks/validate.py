@@ -12,9 +12,9 @@ from rota.errors import RotaError
 from rota.files.mission_file import JudgedDocument, judge_document
 from rota.files.mission_ground import Ground
 from rota.files.mission_json import obstacle_to_json, polygons_to_json
-from rota.mission import Mission
-from rota.planner import planner_of
-from rota.polygons import polygons_of
+from rota.model.mission import Mission
+from rota.model.polygons import polygons_of
+from rota.planning.planner import planner_of
 from rota.web.documents import document_from, require_few_vertices
 from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import as_asked

@@ -23,7 +23,7 @@ from rota.live.notices import Notice
 from rota.live.ready import make_ready
 from rota.live.session import Session
 from rota.live.watch import Watch
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.playback.cells import NO_CELL, SeenCells, seen_cells
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context

@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
 from rota.planners.patrol.annealing import search as searching
 from rota.planners.patrol.annealing.chain_kernels import range_m
 from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_leg, unseen_near

@@ -10,7 +10,7 @@ SEARCH = """
 import numpy as np
 from shapely import MultiPolygon, box
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.mission import (DiscSensor, Fleet, Mission, Obstacle)
+from rota.model.mission import (DiscSensor, Fleet, Mission, Obstacle)
 from rota.planners.patrol.annealing import kernels, move_kernels, state_kernels
 from rota.planners.patrol.annealing.compile_ahead import longest_moves, moves
 from rota.planners.patrol.annealing.search import Annealing

@@ -12,7 +12,7 @@ from shapely import box
 
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
-from rota.mission import DiscSensor, Fleet, Mission, Robot, Sensor, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, Sensor, SquareSensor, Zone
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, strongest_robot, sweep_m2_s

@@ -11,7 +11,7 @@ import pytest
 from shapely import MultiPolygon, box, union_all
 
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.ground.problem import set_up_problem
 

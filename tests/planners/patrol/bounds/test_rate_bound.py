@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Point, box
 
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
-from rota.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Robot, SquareSensor
 from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import rim_share, swept_robots
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s

@@ -9,7 +9,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.geometry.free_space import DemandedRegion, border_segments, demanded_regions, sight_walls, standing_space
 from rota.geometry.tiles import Box, few_cornered_boxes
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.ground.nearest_places import nearest_places
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
 from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.rate_bound import swept_robots

@@ -10,7 +10,7 @@ from shapely import MultiPolygon, box
 from rota.geometry.free_space import sight_walls, standing_space
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.bounds import witness_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 

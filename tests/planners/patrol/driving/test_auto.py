@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from shapely import LineString, distance, points
 
 from rota.check.accelerations import acceleration_violations
-from rota.mission import DiscSensor, Robot
-from rota.motion_limits import MotionLimits
+from rota.model.mission import DiscSensor, Robot
+from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
-from rota.route import RouteStop, route_of
+from rota.routes.route import RouteStop, route_of
 from rota.vehicles.motion import Way, Wind
 from rota.vehicles.presets import VEHICLES
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from shapely import LineString, distance, points
 
 from rota.check.accelerations import acceleration_violations
-from rota.mission import DiscSensor, Robot
-from rota.motion_limits import MotionLimits
-from rota.plan import Trajectory
+from rota.model.mission import DiscSensor, Robot
+from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at

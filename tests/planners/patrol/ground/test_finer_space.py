@@ -12,7 +12,7 @@ from shapely import MultiPolygon, box
 from rota.geometry.free_space import border_segments, standing_space, standing_space_in
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.finer_space import with_patches, with_room_to_see
 from rota.planners.patrol.ground.nearest_places import nearest_places

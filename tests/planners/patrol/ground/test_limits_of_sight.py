@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Point, Polygon, affinity, box
 import rota
 from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.planners.patrol.ground.limits_of_sight import (
     FEW_CORNERS,
     area_in_range,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
-from rota.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Robot, SquareSensor
 from rota.planners.patrol.ground import nearest_places as places_module
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 

@@ -18,7 +18,7 @@ from tests.files.test_occupancy_map import write_map
 
 from rota import NoPlanFound, check_plan, make_plan
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.left_out import left_out_sentence
 

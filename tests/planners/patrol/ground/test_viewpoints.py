@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
-from rota.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Robot, SquareSensor
 from rota.planners.patrol.ground import viewpoints
 from rota.planners.patrol.ground.samples import points_of, prepare
 from rota.planners.patrol.ground.sight import sensor_arguments

@@ -7,7 +7,7 @@ import pytest
 from shapely import MultiPolygon, Point, Polygon, box
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 

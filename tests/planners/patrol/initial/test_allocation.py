@@ -10,7 +10,7 @@ import pytest
 from shapely import LineString, MultiPolygon, Point, box
 from tests.planners.patrol.searching import YARD
 
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import allocations, as_lanes_m, period_groupings, slack_factor

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.initial.cut_tours import cut, cut_where_bodies_touch
 from rota.planners.patrol.planner_settings import PatrolSettings

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.annealing.test_annealing import assert_books_are_true
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.efforts import ESTIMATES, QUICK
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with

@@ -9,7 +9,7 @@ import pytest
 from shapely import MultiPolygon, box
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.annealing.search import budget_penalties
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem

@@ -10,8 +10,8 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol.annealing.schedule import anneal_shape
 from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context

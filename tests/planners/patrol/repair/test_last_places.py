@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings

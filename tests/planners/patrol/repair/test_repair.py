@@ -12,8 +12,8 @@ from tests.planners.patrol.searching import search_on
 
 from rota.check import check_plan
 from rota.check.report import Report
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.plan import Plan
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings

@@ -8,7 +8,7 @@ import shapely
 from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with

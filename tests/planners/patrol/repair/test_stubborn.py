@@ -10,7 +10,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.nooks import nooks_of

@@ -11,8 +11,8 @@ from tests.planners.patrol.searching import search_on
 
 from rota.check import check_plan
 from rota.check.report import Report
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.loop_settings import ShorteningAttempt, ShorteningStage

@@ -9,7 +9,7 @@ import pytest
 from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.planner_settings import PatrolSettings

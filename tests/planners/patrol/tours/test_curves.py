@@ -17,8 +17,8 @@ from rota.check import check_plan
 from rota.errors import MissionError
 from rota.files.mission_file import read_mission
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Robot, StartPoints
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, StartPoints
+from rota.model.plan import Plan
 from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.curve_kernels import WORDS, word_pieces

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString
 
-from rota.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Robot
 from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, thinned
 from rota.planners.patrol.driving.timed_line import started_at, steady
 from rota.planners.patrol.tours.timetable import (

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from rota.fleet import DiscSensor, Fleet, Robot, StartBox
-from rota.mission import Mission
+from rota.model.fleet import DiscSensor, Fleet, Robot, StartBox
+from rota.model.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.telling import Telling, read_telling

@@ -23,7 +23,7 @@ from rota.planners.swarm.nodes.recording import Recorder
 from rota.planners.swarm.nodes.scene import scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
 from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of, is_loopback
-from rota.robot_processes import Launch, ProcessSettings
+from rota.planning.robot_processes import Launch, ProcessSettings
 
 
 def free_ports(count: int) -> int:
@@ -246,9 +246,9 @@ def test_nothing_heard_is_nothing_recorded() -> None:
 
 
 def test_other_planners_have_no_processes() -> None:
-    from rota.mission import DiscSensor, Fleet
-    from rota.planner import planner_of
+    from rota.model.mission import DiscSensor, Fleet
     from rota.planners.patrol.planner_settings import PatrolSettings
+    from rota.planning.planner import planner_of
 
     mission = mission_of(2, 40, (5, 35), sensor_m=9, speed_m_s=10)
     fleet = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=5))

@@ -9,8 +9,8 @@ import pytest
 from tests.planners.swarm.nodes.air import Air, S, mission_of
 
 from rota.errors import MissionError
-from rota.fleet import SquareSensor
-from rota.mission import MovingObstacle
+from rota.model.fleet import SquareSensor
+from rota.model.mission import MovingObstacle
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN, no_faster
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.nodes.believing import Belief

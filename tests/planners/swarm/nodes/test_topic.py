@@ -15,7 +15,7 @@ from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import scene_for
 from rota.planners.swarm.nodes.telling import SIZE
 from rota.planners.swarm.nodes.topic import TopicPort
-from rota.robot_processes import Launch, ProcessSettings
+from rota.planning.robot_processes import Launch, ProcessSettings
 from rota.ros2.node import CHOSEN_BY
 
 pytestmark = pytest.mark.ros

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.progress import SearchState
+from rota.planning.progress import SearchState
 
 
 def searched(context: Context, search: Annealing, points: SamplePoints) -> Callable[[int], None]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid
-from rota.mission import DiscSensor, inner_reach_m
+from rota.model.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.annealing.count_kernels import words_for
 from rota.planners.patrol.annealing.state import FULL, NUMBERS, SLOTS_LEFT, UNSEEN, Tours

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 

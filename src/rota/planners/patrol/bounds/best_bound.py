@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.bounds.area_bound import area_rate, rate_proof
 from rota.planners.patrol.bounds.chain_bound import chain_bound, straight_chain_bound
 from rota.planners.patrol.bounds.clique_bound import clique_bound

@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.ground.problem import Problem
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.bounds.clique_bound import SURELY, heaviest_clique, too_far_apart, too_far_apart_reason
 from rota.planners.patrol.bounds.pieces import Pieces, groupings, seen_within_m2
 from rota.planners.patrol.bounds.proved_bound import ProvedBound

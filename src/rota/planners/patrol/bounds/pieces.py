@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.bounds.forest_bound import shortest_tree
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 

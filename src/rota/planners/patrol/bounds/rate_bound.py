@@ -36,7 +36,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Robot
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 
 Floats = NDArray[np.float64]

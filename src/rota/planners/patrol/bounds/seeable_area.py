@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion
 from rota.geometry.tiles import clipped, few_cornered_boxes, grown_box
-from rota.mission import DiscSensor, Robot, inner_reach_m
+from rota.model.mission import DiscSensor, Robot, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS, area_in_range
 
 Floats = NDArray[np.float64]

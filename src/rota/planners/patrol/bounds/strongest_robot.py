@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rota.mission import DiscSensor, Fleet, Robot
+from rota.model.mission import DiscSensor, Fleet, Robot
 
 
 def strongest_robot(fleet: Fleet) -> Robot:

@@ -27,7 +27,7 @@ from dataclasses import replace
 import shapely
 from shapely import MultiPolygon
 
-from rota.mission import Mission, Robot
+from rota.model.mission import Mission, Robot
 from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s

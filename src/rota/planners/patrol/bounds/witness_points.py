@@ -15,11 +15,11 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.free_space import DemandedRegion, border_segments, standing_space
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Mission
+from rota.model.mission import Mission
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.viewpoints import Viewpoints
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

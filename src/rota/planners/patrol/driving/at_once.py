@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
 from rota.planners.patrol.driving.polylines import thinned, turns_rad
 from rota.planners.patrol.driving.timed_line import TimedLine, steady

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
-from rota.plan import Trajectory, Waypoints
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory, Waypoints
 from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
 from rota.planners.patrol.driving.polylines import driven_beside, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady

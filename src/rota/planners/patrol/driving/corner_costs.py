@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 
 Floats = NDArray[np.float64]
 

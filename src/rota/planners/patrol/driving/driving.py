@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.driving.at_once import AtOnce
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.corner_costs import CornerCosts

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.driving import rounded_kernels as kernels
 from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
 from rota.planners.patrol.driving.corner_table_kernels import corner_table

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.tours.tour import Tour

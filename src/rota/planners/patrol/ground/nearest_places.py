@@ -11,7 +11,7 @@ from shapely import MultiPolygon
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.threads import side_by_side
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight

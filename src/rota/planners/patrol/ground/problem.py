@@ -13,8 +13,8 @@ from shapely import MultiPolygon, Polygon
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
-from rota.motion_limits import weakest
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
+from rota.model.motion_limits import weakest
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.limits_of_sight import limit_points
@@ -31,7 +31,7 @@ from rota.planners.patrol.ground.viewpoints import (
 )
 from rota.planners.patrol.loop_settings import SamplingSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.stopping import require_going_on
+from rota.planning.stopping import require_going_on
 
 Floats = NDArray[np.float64]
 

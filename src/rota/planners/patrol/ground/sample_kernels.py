@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.by_reference import by_reference
+from rota.compiled.by_reference import by_reference
 from rota.planners.patrol.ground.sight_kernels import (
     DEPTH_SECTORS,
     STANDING_M2,

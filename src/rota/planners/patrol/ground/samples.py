@@ -14,12 +14,12 @@ from shapely import MultiPolygon
 
 from rota.geometry import kernels
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Robot, inner_reach_m
+from rota.model.mission import Robot, inner_reach_m
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
 from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
-from rota.polygons import polygons_of
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.mission import Robot, SquareSensor, inner_reach_m
+from rota.model.mission import Robot, SquareSensor, inner_reach_m
 
 
 class Sight(NamedTuple):

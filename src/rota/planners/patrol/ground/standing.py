@@ -13,11 +13,11 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, entered, standing_anywhere, standing_space_in
 from rota.geometry.threads import side_by_side
 from rota.geometry.tiles import grown_box
-from rota.mission import Mission, Robot
+from rota.model.mission import Mission, Robot
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
 from rota.planners.patrol.ground.samples import MANY_CORNERS
-from rota.polygons import polygons_of
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners

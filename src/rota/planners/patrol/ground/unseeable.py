@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Mission, inner_reach_m
+from rota.model.mission import Mission, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import area_in_range
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.samples import SamplePoints

@@ -13,7 +13,8 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.threads import side_by_side
-from rota.mission import Robot
+from rota.model.mission import Robot
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -29,7 +30,6 @@ from rota.planners.patrol.ground.samples import (
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

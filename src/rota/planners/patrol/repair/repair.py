@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.plan import Plan
+from rota.model.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with

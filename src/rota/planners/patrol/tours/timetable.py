@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.mission import Robot
-from rota.plan import Trajectory
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOWER
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
+from rota.model.mission import Robot
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import without_repeats
 

@@ -11,13 +11,13 @@ from collections.abc import Iterable
 from multiprocessing.process import BaseProcess
 
 from rota.errors import LinkError, RotaError
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.process import period_of, run_robot
 from rota.planners.swarm.nodes.recording import REST_S, Recorder
 from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.transport import clock_for, open_port, prepare
-from rota.robot_processes import EVERYTHING, Launch, ProcessSettings, SwarmRecord
+from rota.planning.robot_processes import EVERYTHING, Launch, ProcessSettings, SwarmRecord
 
 LEAVE_S = 5.0  # for the processes to end, after they were asked to
 FAILED = 2  # exit code of a process that could not be its robot

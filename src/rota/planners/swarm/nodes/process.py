@@ -7,11 +7,11 @@ import os
 import time
 from collections.abc import Callable
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.scene import Scene, require_period, scene_of
 from rota.planners.swarm.nodes.transport import clock_for, open_port
-from rota.robot_processes import ProcessSettings
+from rota.planning.robot_processes import ProcessSettings
 
 READ_S = 0.005  # news are read so often where clocks are judged by them
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import run_robot, scene_for
-from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
+from rota.planning.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 
 class SwarmProcesses:

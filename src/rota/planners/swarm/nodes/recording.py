@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import LinkError
-from rota.mission import Mission, Robot
-from rota.plan import EndReason, Plan, RunEnd, Trajectory
+from rota.model.mission import Mission, Robot
+from rota.model.plan import EndReason, Plan, RunEnd, Trajectory
 from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.nodes.clocks import Clocks
@@ -22,7 +22,7 @@ from rota.planners.swarm.planner import sensors_of, squares_of
 from rota.planners.swarm.presence import holding_from_joining
 from rota.planners.swarm.rest import blocked_robots, longest_rest_m
 from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
-from rota.robot_processes import HeightAt, RobotRecord, SwarmRecord, level
+from rota.planning.robot_processes import HeightAt, RobotRecord, SwarmRecord, level
 
 REST_S = 2.0  # a swarm that has not moved for so long is at rest
 KEPT = 16  # tellings of each robot, from which its place a moment ago is known

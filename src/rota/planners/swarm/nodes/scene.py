@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.cells.importance_cells import ImportanceCells
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
-from rota.importance_cells import ImportanceCells
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.nodes.apart import RADIO_SILENCES, least_radio_m
 from rota.planners.swarm.nodes.hearing import Start
@@ -23,7 +23,7 @@ from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Rule
 from rota.planners.swarm.world import make_grid, walls_of
-from rota.robot_processes import HeightAt, level
+from rota.planning.robot_processes import HeightAt, level
 
 SILENT_PERIODS, LEAST_SILENT_PERIODS = 5, 4  # after which a robot that tells nothing is forgotten
 HOLD_SHARE = 0.98  # of the time between decisions; robots that decide late by the rest of it keep their rate

@@ -12,8 +12,8 @@ import zlib
 from hashlib import blake2b
 from typing import NamedTuple
 
-from rota.limits import LARGEST_M
-from rota.mission import Mission
+from rota.model.limits import LARGEST_M
+from rota.model.mission import Mission
 
 WAITING, MEMBER, LEFT = 0, 1, 2  # stands and announces itself; takes part; has left, and stands where it is
 MOST_ROBOTS = 4096  # numbers of robots are below that

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
-from rota.robot_processes import ProcessSettings
+from rota.planning.robot_processes import ProcessSettings
 
 UDP_START_S = 0.5
 ROS2_START_S, ROS2_ROBOT_S = 3.0, 0.5  # nodes find each other, each time all the others

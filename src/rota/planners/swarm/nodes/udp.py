@@ -10,7 +10,7 @@ from contextlib import suppress
 
 from rota.errors import LinkError, MissionError
 from rota.planners.swarm.nodes.telling import SIZE
-from rota.robot_processes import LAST_PORT, ProcessSettings
+from rota.planning.robot_processes import LAST_PORT, ProcessSettings
 
 MOST_AT_ONCE = 4096  # datagrams read at a time, so that no flood of them keeps a robot from deciding
 BUFFER_BYTES = 1 << 20

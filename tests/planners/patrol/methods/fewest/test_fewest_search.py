@@ -10,8 +10,8 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol import context as context_module, planner as planner_module
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound

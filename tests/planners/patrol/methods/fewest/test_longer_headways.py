@@ -12,7 +12,7 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.mission import DiscSensor, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import set_up_problem

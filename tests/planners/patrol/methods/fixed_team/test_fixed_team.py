@@ -9,7 +9,7 @@ from shapely import MultiPolygon, box
 
 import rota
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.verdict import worst_reached
 

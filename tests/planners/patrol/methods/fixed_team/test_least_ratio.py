@@ -17,13 +17,13 @@ import rota
 from rota.check import check_plan
 from rota.command.cli import app
 from rota.files.plan_file import read_plan
-from rota.mission import DiscSensor, Fleet, Mission, Zone
-from rota.plan_summary import ratio_sentence
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.ground.problem import Problem, set_up_problem, stretched
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
 from rota.planners.patrol.methods.fixed_team.team_tours import with_bystanders
 from rota.planners.patrol.planner_settings import Method, PatrolSettings
 from rota.planners.patrol.tours.tour import Tour
+from rota.planning.plan_summary import ratio_sentence
 
 REACH_M = 5.0
 # both corners of an end of a corridor 4 m wide are in range from its middle line this far from the end

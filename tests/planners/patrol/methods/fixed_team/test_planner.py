@@ -13,8 +13,8 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.mission import DiscSensor, Fleet, Mission
-from rota.plan import Plan, Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.annealing.schedule import share_of_moves
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points

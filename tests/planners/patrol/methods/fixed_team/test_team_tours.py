@@ -9,7 +9,7 @@ import pytest
 from shapely import LineString, MultiPolygon, Point, box
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, joined_tour, with_a_helper
 from rota.planners.patrol.planner_settings import PatrolSettings

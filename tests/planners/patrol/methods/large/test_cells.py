@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, box
 
 from rota.geometry.free_space import demanded_regions
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.methods.large.cells import ELSEWHERE, missions_of, weighed_boxes
 from rota.planners.patrol.planner_settings import PatrolSettings
 

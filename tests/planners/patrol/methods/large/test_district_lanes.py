@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import LinearRing, LineString, MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.large.lanes import (
     groups_for,

@@ -14,7 +14,7 @@ from tests.planners.patrol.searching import search_on
 import rota
 from rota.errors import NoPlanFound
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.large.pieces import (
     MOST_SHARING,

@@ -11,7 +11,7 @@ import pytest
 import shapely
 from shapely import LinearRing, MultiPolygon, Point, Polygon, box
 
-from rota.mission import DiscSensor, SquareSensor
+from rota.model.mission import DiscSensor, SquareSensor
 from rota.planners.patrol.methods.large.rings import ring_over
 from rota.planners.patrol.methods.large.rows import (
     MOST_LANES,

@@ -11,7 +11,7 @@ from tests.planners.patrol.searching import search_on
 
 import rota
 from rota.engines.processes import LocalProcesses
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.fewest.search import fewest_robots

@@ -14,7 +14,7 @@ from shapely import MultiPolygon, Point, Polygon, box
 from rota.errors import MissionError, NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 

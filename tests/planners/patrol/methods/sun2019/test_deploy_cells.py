@@ -8,6 +8,7 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon, box
 
 from rota.errors import NoPlanFound
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.methods.sun2019.cells import (
     Cells,
     cells_of,
@@ -15,7 +16,6 @@ from rota.planners.patrol.methods.sun2019.cells import (
     ground_for,
     lattice_over,
 )
-from rota.polygons import polygons_of
 
 NOTHING = MultiPolygon()
 

@@ -15,7 +15,7 @@ from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.papers.sun2019 import figure_13
 from rota.papers.sun2019.printed_settings import AS_PRINTED
 from rota.planners.patrol.context import Context, begin_search

@@ -11,7 +11,7 @@ from shapely import box
 
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.papers.sun2019 import paper
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings

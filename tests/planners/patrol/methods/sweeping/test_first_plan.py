@@ -10,8 +10,8 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
-from rota.mission import Zone
-from rota.plan import Plan
+from rota.model.mission import Zone
+from rota.model.plan import Plan
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.methods.sweeping import first_plan, methods
 from rota.planners.patrol.methods.sweeping.first_plan import apart_m, swept

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import LineString, MultiPolygon, Point, Polygon, affinity, box
 
-from rota.mission import DiscSensor, SquareSensor
+from rota.model.mission import DiscSensor, SquareSensor
 from rota.planners.patrol.methods.sweeping.boustrophedon import cells, events
 from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends, lanes_in
 

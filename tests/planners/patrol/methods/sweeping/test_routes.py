@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import LineString, MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.sweeping.routes import (
     SweepGround,

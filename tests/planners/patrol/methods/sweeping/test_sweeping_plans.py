@@ -10,11 +10,11 @@ import shapely
 from shapely import LineString, MultiPolygon, box
 
 import rota
-from rota.distinct_loops import distinct_loops
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sweeping.methods import cut_in_two, divided_area, widest
 from rota.planners.patrol.planner_settings import Method, PatrolSettings
+from rota.routes.distinct_loops import distinct_loops
 
 TRADITIONAL: tuple[Method, ...] = ("parallel", "sequential", "decomposition")
 YARD = Mission(

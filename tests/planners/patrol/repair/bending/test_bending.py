@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, box
 
 from rota.geometry.kernels import free_segments
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import SamplePoints, points_of, prepare
 from rota.planners.patrol.loop_settings import BendingSettings

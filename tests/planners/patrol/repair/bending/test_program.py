@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
-from rota.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Robot
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import laid_out
 from rota.planners.patrol.repair.bending.program import (

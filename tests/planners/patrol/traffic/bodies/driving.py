@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Robot
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.tour import Tour
 

@@ -8,10 +8,10 @@ from tests.planners.patrol.traffic.bodies.driving import closest_m
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.make_plan import make_plan
-from rota.mission import DiscSensor, Fleet, Mission, Zone
-from rota.plan import Plan
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planning.make_plan import make_plan
 
 BODY_M = 0.3
 

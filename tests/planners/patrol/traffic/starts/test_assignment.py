@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely import box
 
-from rota.mission import DiscSensor, Robot, StartBox
+from rota.model.mission import DiscSensor, Robot, StartBox
 from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment

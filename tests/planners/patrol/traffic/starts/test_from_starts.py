@@ -12,12 +12,12 @@ from rota.check import check_plan
 from rota.draw.routes import positions_at
 from rota.files.geodesy import Projection
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
-from rota.plan import Plan, Trajectory
-from rota.plan_summary import robot_rows
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import started_at, steady
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
+from rota.planning.plan_summary import robot_rows
 
 WALL = Obstacle(shape=MultiPolygon([box(4, -1, 5, 1)]))
 

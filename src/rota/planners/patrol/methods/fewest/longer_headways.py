@@ -12,7 +12,7 @@ import math
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
-from rota.mission import DiscSensor, Mission, Sensor
+from rota.model.mission import DiscSensor, Mission, Sensor
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.fewest.one_fewer import one_fewer

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.model.mission import Mission
+from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import stretched
 from rota.planners.patrol.initial.allocation import period_groupings

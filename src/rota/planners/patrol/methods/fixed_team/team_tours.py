@@ -10,7 +10,7 @@ import shapely
 from shapely import LineString, MultiLineString
 
 from rota.geometry.free_space import nearest_free_point
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tours.tour import Tour, driven, tour_length_m
 

@@ -14,9 +14,9 @@ from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions
-from rota.mission import Fleet, Mission, Obstacle, Zone
+from rota.model.mission import Fleet, Mission, Obstacle, Zone
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.context import Context, silent
 from rota.planners.patrol.ground.problem import Problem, set_up_problem

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.large.rings import ring_over
@@ -26,7 +27,6 @@ from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_it
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString
 
-from rota.mission import DiscSensor
+from rota.model.mission import DiscSensor
 from rota.planners.patrol.methods.large.rows import Column
 from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.context import Context

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
+from rota.model.mission import Mission
 from rota.planners.patrol.methods.sun2019.ccpso2 import Evolution, evolve
 from rota.planners.patrol.methods.sun2019.cells import Cells, cells_seen_from
 from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover

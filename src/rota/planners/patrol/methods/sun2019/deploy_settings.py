@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from rota.planner_settings import setting
+from rota.model.planner_settings import setting
 from rota.planners.patrol.sun2019_settings import SensorSettings
 
 DeployMethod = Literal["ccpso2", "greedy", "exact"]

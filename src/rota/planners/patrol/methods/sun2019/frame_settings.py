@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rota.planner_settings import setting
+from rota.model.planner_settings import setting
 from rota.planners.patrol.sun2019_settings import FramePartition, FrameSettings, FrameTour, SegmentSettings
 
 TooFew = Literal["least_late", "even"]

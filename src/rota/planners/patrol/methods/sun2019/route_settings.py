@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from rota.planner_settings import Settings, setting
+from rota.model.planner_settings import Settings, setting
 from rota.planners.patrol.sun2019_settings import SegmentRoutes
 
 

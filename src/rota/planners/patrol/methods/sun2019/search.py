@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import NoPlanFound
-from rota.mission import DiscSensor
+from rota.model.mission import DiscSensor
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem

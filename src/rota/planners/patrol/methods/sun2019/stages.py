@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Mission, Robot
+from rota.model.mission import DiscSensor, Mission, Robot
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings

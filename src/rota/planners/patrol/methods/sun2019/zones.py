@@ -13,7 +13,8 @@ from shapely import MultiPolygon
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, standing_space
 from rota.geometry.line_of_sight import points_inside
-from rota.mission import DiscSensor, Mission
+from rota.model.mission import DiscSensor, Mission
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.cells import (
     SLIVER,
@@ -26,7 +27,6 @@ from rota.planners.patrol.methods.sun2019.cells import (
 )
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
 from rota.planners.patrol.sun2019_settings import BorderCells
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

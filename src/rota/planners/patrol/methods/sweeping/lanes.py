@@ -15,8 +15,8 @@ from shapely.geometry.base import BaseGeometry
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Sensor
-from rota.polygons import polygons_of
+from rota.model.mission import DiscSensor, Sensor
+from rota.model.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 

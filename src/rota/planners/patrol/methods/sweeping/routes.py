@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import DiscSensor
+from rota.model.mission import DiscSensor
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import distances

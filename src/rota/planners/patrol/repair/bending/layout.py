@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import DiscSensor, inner_reach_m
+from rota.model.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings

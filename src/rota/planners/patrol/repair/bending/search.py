@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.kernels import free_segments
-from rota.mission import DiscSensor
+from rota.model.mission import DiscSensor
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand

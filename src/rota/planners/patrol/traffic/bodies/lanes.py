@@ -16,9 +16,9 @@ from shapely import MultiPolygon
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.polylines import split_legs, thinned
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

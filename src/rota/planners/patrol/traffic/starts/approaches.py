@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import Robot
-from rota.plan import Trajectory
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOW_LEG_M, SLOWER, timed_line
 from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, far_enough
 from rota.planners.patrol.driving.rounded import Rounded

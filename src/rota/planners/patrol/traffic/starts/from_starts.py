@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
-from rota.mission import Mission, Robot, StartBox, StartPoints
-from rota.plan import Plan
+from rota.model.mission import Mission, Robot, StartBox, StartPoints
+from rota.model.plan import Plan
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served

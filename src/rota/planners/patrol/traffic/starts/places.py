@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import StartBox
+from rota.model.mission import StartBox
 
 Floats = NDArray[np.float64]
 

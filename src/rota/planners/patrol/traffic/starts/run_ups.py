@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, free_segments
-from rota.mission import Robot
-from rota.plan import Trajectory
+from rota.model.mission import Robot
+from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody

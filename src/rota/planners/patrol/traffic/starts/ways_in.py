@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from rota.errors import MissionError
-from rota.fleet import Place, StartPoints
 from rota.geometry.free_space import standing_space
-from rota.mission import TOUCH_M, Mission
-from rota.start_faults import ENTRANCE_CLEARANCE, ENTRANCE_NEAR
+from rota.model.fleet import Place, StartPoints
+from rota.model.mission import TOUCH_M, Mission
+from rota.model.start_faults import ENTRANCE_CLEARANCE, ENTRANCE_NEAR
 
 ARC_CORNERS = 128  # of a whole turn round a grown corner
 

@@ -1,0 +1,219 @@
+"""What a plan comes to, robot by robot, as rows and as plain text: loop length and time, zones served, slack."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import LineString, Point, Polygon, union_all
+from shapely.geometry.base import BaseGeometry
+
+from rota.model.mission import AREA, DiscSensor, Mission, Sensor, Zone
+from rota.model.plan import Plan, Trajectory
+from rota.model.polygons import polygons_of
+from rota.routes.passed_stops import passed_stops
+
+if TYPE_CHECKING:
+    from rota.check import Report
+
+Floats = NDArray[np.float64]
+
+# a regular 256-gon with a circle's area has a radius so much larger
+AS_LARGE = math.sqrt(2 * math.pi / (256 * math.sin(2 * math.pi / 256)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotRow:
+    """One robot of the table. ``slack``: the share of its tightest period that its loop leaves; None: shared zones."""
+
+    robot: str
+    loop_length_m: float
+    loop_time_s: float
+    zones: tuple[str, ...]
+    slack: float | None
+
+
+def robot_rows(plan: Plan) -> tuple[RobotRow, ...]:
+    """One row per trajectory, in the plan's order."""
+    demands = _demands(plan.mission)
+    return tuple(_row(plan.mission, trajectory, demands) for trajectory in plan.trajectories)
+
+
+def zones_served(plan: Plan, trajectory: Trajectory) -> tuple[str, ...]:
+    """Names of the zones (and ``AREA``) that the robot's loop serves, in the mission's order.
+
+    A zone is served by a loop that comes within the sensor's reach of it (for a "visit" demand: into it) and takes no
+    longer than its period, or does so on each of its rounds, none of which takes longer. A loop longer than every
+    period that it passes serves all of them together with other robots. Sight lines are not looked at: the check does
+    that. Zones without a period are not listed.
+    """
+    return _served(plan.mission, trajectory, _demands(plan.mission))[0]
+
+
+def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) -> RobotRow:
+    zones, slack = _served(mission, trajectory, demands)
+    return RobotRow(
+        robot=trajectory.robot,
+        loop_length_m=trajectory.loop_length_m,
+        loop_time_s=trajectory.loop_duration_s,
+        zones=zones,
+        slack=slack,
+    )
+
+
+def _served(
+    mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]
+) -> tuple[tuple[str, ...], float | None]:
+    """The zones served, and the slack; None when no zone is served without other robots."""
+    rounds, longest_s = _rounds(trajectory)
+    loop_s = trajectory.loop_duration_s
+    sensor = mission.fleet.robot(trajectory.robot).sensor
+    passed, alone, slacks = [], [], []
+    for zone in demands:
+        near = [_comes_near(line, zone, sensor) for line in rounds]
+        if not any(near) or zone.period_s is None:
+            continue
+        passed.append(zone.name)
+        again_s = longest_s if all(near) else loop_s
+        if again_s <= zone.period_s:
+            alone.append(zone.name)
+            slacks.append((zone.period_s, (zone.period_s - again_s) / zone.period_s))
+    return tuple(alone or passed), min(slacks)[1] if slacks else None
+
+
+def _rounds(trajectory: Trajectory) -> tuple[list[LineString | Point], float]:
+    """The loop cut wherever it comes back to the place to which it comes back most often, and its longest piece's time.
+
+    One piece, and the whole loop's time, when it comes back nowhere. Corners that are cut count as if they were not:
+    past one place lead many curves.
+    """
+    times_s = trajectory.times_s[trajectory.loop_index :]
+    points_m = trajectory.positions_m[trajectory.loop_index :, :2]
+    if trajectory.accelerations_m_s2 is not None and (stops := passed_stops(trajectory)[1]):
+        times_s = np.array([stop.left_s for stop in stops])
+        points_m = np.array([stop.place_m[:2] for stop in stops])
+    if len(points_m) < 3:
+        return [LineString(points_m) if len(points_m) > 1 else Point(points_m[0])], trajectory.loop_duration_s
+    _, place, visits = np.unique(np.round(points_m[:-1], 6), axis=0, return_inverse=True, return_counts=True)
+    back = np.flatnonzero(place.ravel() == np.argmax(visits))
+    if len(back) == 1:
+        return [LineString(points_m)], trajectory.loop_duration_s
+    first, steps = back[0], len(points_m) - 1
+    # from that place on, once round
+    points_m = np.vstack([points_m[first:-1], points_m[: first + 1]])
+    ends = [*(back - first), steps]
+    starts_s = np.append(times_s[back], times_s[back[0]] + trajectory.loop_duration_s)
+    pieces = [LineString(points_m[i : j + 1]) for i, j in itertools.pairwise(ends)]
+    return pieces, float(np.diff(starts_s).max())
+
+
+def _comes_near(loop: LineString | Point, zone: Zone, sensor: Sensor) -> bool:
+    if zone.demand == "visit":
+        return bool(loop.intersects(zone.shape))
+    return bool(loop.distance(zone.shape) < sensor.reach_m)
+
+
+def _demands(mission: Mission) -> tuple[Zone, ...]:
+    """The zones with a period, and the area outside all zones as one more."""
+    zones = tuple(zone for zone in mission.zones if zone.period_s is not None)
+    if mission.period_s is None:
+        return zones
+    rest = polygons_of(mission.area.difference(union_all([zone.shape for zone in mission.zones])))
+    if rest.is_empty:
+        return zones
+    return (*zones, Zone(name=AREA, shape=rest, period_s=mission.period_s))
+
+
+def rounded(value: float) -> str:
+    """A loop's metres or seconds as people are told them: one decimal; below 1 two digits that count."""
+    return f"{value:.1f}" if value >= 1 or value == 0 else f"{value:.2g}"
+
+
+def robots_table(plan: Plan) -> str:
+    """The rows as plain text: names and zones to the left of their columns, numbers to the right."""
+    lines = [("robot", "loop m", "loop s", "slack", "serves")]
+    for row in robot_rows(plan):
+        slack = "shared" if row.slack is None else f"{row.slack:.0%}"
+        served = ", ".join(row.zones) or "nothing"
+        lines.append((row.robot, rounded(row.loop_length_m), rounded(row.loop_time_s), slack, served))
+    name, *numbers = (max(len(line[k]) for line in lines) for k in range(4))
+    return "\n".join(
+        "  ".join(
+            [line[0].ljust(name), *(cell.rjust(width) for cell, width in zip(line[1:4], numbers, strict=True)), line[4]]
+        )
+        for line in lines
+    )
+
+
+def robots_sentence(plan: Plan) -> str:
+    """Robots in the plan against the proved lower bound, as a sentence."""
+    n, bound = len(plan.trajectories), plan.lower_bound_robots
+    count = f"{n} robot" + ("s" if n != 1 else "")
+    if bound is None:
+        return f"{count}; no lower bound is known."
+    if n < bound:
+        return f"{count}; meeting the demand takes at least {bound}, proved."
+    if n == bound:
+        return f"{count}: no plan needs fewer, proved."
+    return f"{count}; no plan with fewer than {bound} exists, proved."
+
+
+def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
+    """What a sensor at a place (2,) or (3,) metres has in range, obstacles aside; a disc as a 256-gon of its area.
+
+    A disc that grows with height has nothing in range from a place without one.
+    """
+    place = Point(place_m[:2])
+    if isinstance(sensor, DiscSensor):
+        radius_m = sensor.radius_at_m(float(place_m[2]) if len(place_m) == 3 else 0.0)
+        return place.buffer(radius_m * AS_LARGE, quad_segs=64)
+    return place.buffer(sensor.side_m / 2, cap_style="square")
+
+
+def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
+    """What the robots have in range at their last places, the ground without what cuts sight, both as shapes.
+
+    The third is the area in square metres that all their footprints have together.
+    """
+    mission = plan.mission
+    free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
+    footprints, sum_m2 = [], 0.0
+    for trajectory in plan:
+        robot = mission.fleet.robot(trajectory.robot)
+        if robot.leaves_s is not None:
+            continue
+        footprints.append(range_from(robot.sensor, trajectory.positions_m[-1]))
+        sum_m2 += footprints[-1].area
+    return union_all(footprints).intersection(free), free, sum_m2
+
+
+def approach_sentence(plan: Plan) -> str | None:
+    """When the last robot that has a way to its loop begins it; None when all begin on their loops."""
+    loops_s = max((trajectory.loop_start_s for trajectory in plan), default=0.0)
+    return f"All robots are on their loops {rounded(loops_s)} s after they set out." if loops_s > 0 else None
+
+
+def bound_sentence(plan: Plan) -> str | None:
+    """Why there is no plan with fewer robots than the proved bound; None when that is not told."""
+    if plan.lower_bound_robots is None or plan.lower_bound_reason is None:
+        return None
+    count = f"{plan.lower_bound_robots} robot" + ("s" if plan.lower_bound_robots != 1 else "")
+    return f"{count} at least: {plan.lower_bound_reason}."
+
+
+def ratio_sentence(plan: Plan, report: Report) -> str | None:
+    """How a fixed fleet's worst gap compares with its period, as a sentence; None for fleets of as few as possible.
+
+    Of a plan that meets its demand no gap is longer; of another some gap is at least as long.
+    """
+    if plan.mission.fleet.robots is None or not report.demands:
+        return None
+    if report.verdict == "met":
+        return f"Worst gap: {report.worst_ratio:.3f} of its period."
+    if math.isinf(report.worst_ratio_at_least):
+        return "Worst gap: some of what is asked is never seen."
+    return f"Worst gap: at least {report.worst_ratio_at_least:.3f} times its period."

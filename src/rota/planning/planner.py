@@ -1,0 +1,152 @@
+"""The door that every planner has: what it is asked, what it answers, and what else the rest of Rota asks of it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rota.errors import MissionError
+from rota.model.planner_registry import door_of, planner_names
+
+if TYPE_CHECKING:
+    from rota.check.report import Report as Report
+    from rota.compiled.parts import Part
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan
+    from rota.model.planner_settings import PlannerSettings
+    from rota.planning.checkpoint import Checkpoint
+    from rota.planning.progress import Watch
+    from rota.planning.robot_processes import ProcessSettings, RobotProcesses
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What a planner is asked.
+
+    mission: with settings of this planner. seed: the same seed gives the same answer, on any number of threads.
+    judge: the check's report on a plan. progress: to be told a share 0..1 and what is being done. should_stop: to be
+    polled often; once True the best answer so far is wanted. watch: to be told of every state on the way, perhaps from
+    several threads. checkpoint: of a planner that makes runs, the one to go on from. observe: of such a planner, to be
+    given the measures of every step. executor: workers for what can be done side by side, with functions and arguments
+    that can be pickled; None: this process alone. The answer is the same.
+    """
+
+    mission: Mission
+    seed: int
+    judge: Callable[[Plan], Report]
+    progress: Callable[[float, str], None]
+    should_stop: Callable[[], bool]
+    watch: Watch | None = None
+    checkpoint: Checkpoint | None = None
+    observe: Callable[[Any], None] | None = None
+    executor: Executor | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a planner answers: a plan, and what it knows beside it.
+
+    facts: sentences that only the search could tell. checkpoint: of a run that ended before it came to rest.
+    """
+
+    plan: Plan
+    facts: tuple[str, ...] = ()
+    checkpoint: Checkpoint | None = None
+
+
+class Planner(ABC):
+    """A planner as the rest of Rota sees it; each overrides what it has more of.
+
+    ``methods``: the values of its setting ``method`` that can be compared side by side.
+    """
+
+    methods: tuple[str, ...] = ()
+
+    @property
+    @abstractmethod
+    def settings(self) -> type[PlannerSettings]:
+        """The type of its settings, which name it and say what it refuses of a mission."""
+
+    @abstractmethod
+    def plan(self, request: Request) -> Answer:
+        """A plan for the mission. Raises NoPlanFound, with the best there is, when none meets the demand."""
+
+    def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
+        """What is said below a new plan, paragraph by paragraph; None in place of what there is nothing to say of."""
+        yield from answer.facts
+
+    def covering_time(self, plan: Plan) -> str | None:
+        """How long robots that only react, whatever the plan says, take to cover their ground; None: they do not."""
+        return None
+
+    def proved_bound(self, mission: Mission) -> tuple[int, str] | None:
+        """The fewest robots that any plan takes, proved without planning, and the reason; None: nothing is proved.
+
+        The reason goes on after "... robots at least:". Raises NoPlanFound where no robot can stand or see.
+        """
+        return None
+
+    def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
+        """Folders below the package rota whose ``kernels.py`` planning the mission runs; compiling them takes long."""
+        return ()
+
+    def parts_to_compile(self) -> tuple[Part, ...]:
+        """What a first plan compiles, in parts that processes share out; none: it takes a moment."""
+        return ()
+
+    def small_mission(self, methods: Sequence[str] = ()) -> Mission | None:
+        """A mission planned in a moment that runs the loops of the methods, so that no time measured holds loading."""
+        return None
+
+    def robot_processes(self, mission: Mission, settings: ProcessSettings) -> RobotProcesses:
+        """The mission's robots as processes of their own; MissionError for robots that do not decide for themselves."""
+        raise MissionError(f"planner: {self.settings.planner} is not allowed; only robots of a swarm decide themselves")
+
+    def left_out(self, mission: Mission) -> str | None:
+        """What any plan leaves out of what the mission asks, told before planning; None: nothing, or not known."""
+        return None
+
+    def long_work(self, mission: Mission) -> Iterator[str]:
+        """What makes planning this mission long, each with a rough estimate."""
+        yield from ()
+
+
+def about(seconds: float) -> str:
+    """A time as estimates tell it: in seconds, minutes or hours."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.1f} hours"
+
+
+def planner_named(name: str) -> Planner:
+    """The planner of this name. Raises MissionError for a name that is not known and for a door that cannot be loaded.
+
+    No compiled loops are loaded before it plans.
+    """
+    planner = door_of(name)
+    if not isinstance(planner, Planner):
+        raise MissionError(
+            f"planner: {type(planner).__name__} is no planner; a subclass of rota.planning.planner.Planner is needed"
+        )
+    return planner
+
+
+def loadable_planners() -> tuple[str, ...]:
+    """The names of all planners whose doors can be loaded; one that another distribution breaks is left out."""
+
+    def loads(name: str) -> bool:
+        try:
+            planner_named(name)
+        except MissionError:
+            return False
+        return True
+
+    return tuple(name for name in planner_names() if loads(name))
+
+
+def planner_of(mission: Mission) -> Planner:
+    """The planner of a mission's settings."""
+    return planner_named(mission.planning.planner)

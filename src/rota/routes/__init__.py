@@ -1,0 +1,1 @@
+"""What robots drive: routes without a clock out of trajectories, and trajectories out of routes."""
