@@ -9,9 +9,9 @@ from subprocess import Popen
 
 import pytest
 
-from rota.compiled.code_cache import code_prefix, write_code
+from rota.compiled.code_cache import write_code
 from rota.compiled.compiled_cache import PACKAGE, is_compiled
-from rota.compiled.source_stamp import source_stamp
+from rota.compiled.source_stamp import code_prefix, source_stamp
 from rota.planning import first_run
 from rota.planning.first_run import compiled_by_two
 from rota.planning.planner import planner_named

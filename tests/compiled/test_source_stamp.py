@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rota.compiled import source_stamp as stamps
-from rota.compiled.source_stamp import changed_since, imports_of, source_stamp
+from rota.compiled.source_stamp import changed_since, imports_of, meanings_of, source_stamp
 
 TEXTS = {
     "a_kernels": "from rota.b_kernels import (\n    b,\n)\n",
@@ -42,6 +42,27 @@ def test_a_change_far_down_counts_and_one_elsewhere_does_not(tmp_path: Path) -> 
     assert stamp(files["a_kernels"], tmp_path) == before
     files["c_kernels"].write_text("C = 2\n")
     assert stamp(files["a_kernels"], tmp_path) != before
+
+
+def test_comments_docstrings_and_layout_do_not_count(tmp_path: Path) -> None:
+    files = written(tmp_path)
+    before = stamp(files["a_kernels"], tmp_path)
+    files["c_kernels"].write_text('"""What c is."""\n\nC = (  # one\n    1\n)\n')
+    assert stamp(files["a_kernels"], tmp_path) == before
+    first, second = "def f(x):\n  return x\n", 'def f(x):\n  """The same."""\n\n  return x  # x\n'
+    one, same, other, broken = meanings_of([first.encode(), second.encode(), first.replace("x", "y").encode(), b"def"])
+    assert one == same
+    assert len({one, other, broken}) == 3
+
+
+def test_meanings_are_kept_for_other_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    stamps._kept_meanings.cache_clear()
+    first = meanings_of([b"C = 1\n"])
+    stamps._kept_meanings.cache_clear()
+    monkeypatch.setattr(stamps.ast, "parse", None)
+    assert meanings_of([b"C = 1\n"]) == first
+    stamps._kept_meanings.cache_clear()
 
 
 def test_a_copy_elsewhere_has_the_same_stamp(tmp_path: Path) -> None:

@@ -18,10 +18,7 @@ from pathlib import Path
 from typing import BinaryIO
 from uuid import uuid4
 
-from rota.compiled.source_stamp import source_stamp
-
 SUFFIX = ".kernel"
-STAMP_DIGITS = 12
 MOST_BYTES = 512_000_000
 UNUSED_DAYS = 60
 DAY_S = 86_400.0
@@ -40,11 +37,6 @@ def cache_folder() -> Path:
     else:
         root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return root / "rota" / "compiled"
-
-
-def code_prefix(module: str, function: str, file: Path) -> str:
-    """How the names of a function's compiled forms begin: its name, and a part of the hash of its sources."""
-    return f"{module}.{function}-{source_stamp(file)[:STAMP_DIGITS]}-"
 
 
 def read_code(name: str) -> bytes | None:
@@ -73,9 +65,9 @@ def discard_code(name: str) -> None:
 
 
 def kept_names() -> set[str]:
-    """The names of all files."""
+    """The names of all files of kernels."""
     folder = cache_folder()
-    return {file.name for file in folder.glob(f"*{SUFFIX}")} if folder.is_dir() else set()
+    return {file.name for file in folder.glob(f"*-*{SUFFIX}")} if folder.is_dir() else set()
 
 
 def is_writable(folder: Path) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rota.compiled.code_cache import cache_folder, code_prefix
+from rota.compiled.code_cache import cache_folder
+from rota.compiled.source_stamp import code_prefix
 
 PACKAGE = Path(__file__).parents[1]
 

@@ -38,8 +38,8 @@ from numba.core.untyped_passes import ExtractByteCode
 from numba.np import linalg
 
 from rota.compiled.by_reference import Reference
-from rota.compiled.code_cache import code_prefix, discard_code, held, read_code, write_code
-from rota.compiled.source_stamp import source_stamp
+from rota.compiled.code_cache import discard_code, held, read_code, write_code
+from rota.compiled.source_stamp import code_prefix, source_stamp
 
 Arguments = tuple[types.Type, ...]
 # nogil: whoever waits for a thread that runs a kernel goes on meanwhile, and hears signals
@@ -212,7 +212,7 @@ class Kernel(CPUDispatcher):
             return uuid4().hex + uuid4().hex
         told = (
             kind, self.noinline, sorted(self.targetoptions.items()), _told(arguments), str(return_type),
-            self.py_func.__code__.co_firstlineno, source_stamp(self.file), numba.__version__, llvmlite.__version__,
+            source_stamp(self.file), numba.__version__, llvmlite.__version__,
             sys.version, self.targetctx.codegen().magic_tuple(), [str(getattr(config, name)) for name in SETTINGS],
         )  # fmt: skip
         digest = hashlib.sha256(repr(told).encode()).hexdigest()
