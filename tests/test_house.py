@@ -34,7 +34,7 @@ METHOD_STAGES = [
 
 # what needs the date: of files, of messages, of what is kept, of a plan that is told when it starts
 SYSTEM_CLOCK = {
-    "rota.command.fly", "rota.command.ros2", "rota.compiled.code_cache", "rota.compiled.source_stamp",
+    "rota.command.ros2", "rota.compiled.code_cache", "rota.compiled.source_stamp",
     "rota.links.plan_clock", "rota.links.vda5050_vehicle", "rota.sweep.planned_cells", "rota.web.store.database",
 }  # fmt: skip
 

@@ -68,15 +68,14 @@ def full_period_s(plan: Plan) -> float:
 
 def ground_grids(plan: Plan) -> dict[str, GroundGrid]:
     """By topic: where robots may drive, and each place's worst gap in percent of its period."""
-    from rota.cells.cell_map import cell_map_of
     from rota.draw.gap_map import gap_map
-    from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
+    from rota.files.ros.grids import GroundGrid, free_space, percent_of_period, usual_cells
 
     points = sum(len(trajectory.times_s) for trajectory in plan)
     gaps = gap_map(plan, max(min(CELLS_BY_POINTS // max(points, 1), GRID_CELLS), LEAST_CELLS))
-    cells, fine = gaps.cell_map, cell_map_of(plan.mission, GRID_CELLS)
+    cells = gaps.cell_map
     return {
-        "/map": free_space(plan.mission, fine.x_m, fine.y_m, fine.cell_m),
+        "/map": free_space(plan.mission, *usual_cells(plan.mission)),
         "/worst_gaps": GroundGrid(
             x_m=cells.x_m, y_m=cells.y_m, cell_m=cells.cell_m, values=percent_of_period(gaps.ratio)
         ),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.command.shells import line_with, replayed, shell, watch_for_a_while
+from tests.command.shells import interrupted, line_with, replayed, shell, watch_for_a_while
 from tests.links.fleets import loop_of, plan_of, staying
 from tests.links.ros2_robots import ScriptedRobot, on_air
 
@@ -34,15 +34,20 @@ def test_robots_are_sent_off_in_one_shell_and_watched_in_another(
         async with shell(tmp_path, "fly", *words, "--start", "--yes") as fly:
             assert "Started: 2 robots at 20" in await line_with(fly, "Started")
             command = await line_with(fly, "rota watch")
-            assert await fly.wait() == 0
-        return await watch_for_a_while(tmp_path, plan, command)
+            told = await watch_for_a_while(tmp_path, plan, command)
+            code, said = await interrupted(fly)
+            assert code == 130
+            assert said.count("robot b: nobody listens on /b/schedule; it is not kept in phase meanwhile") == 1
+            assert "robots go on with their routes" in said
+            return told
 
     first, second = (
-        ScriptedRobot("robot_1", (-10.0, 0.0, 25.0), drives=True),
+        ScriptedRobot("robot_1", (-10.0, 0.0, 25.0), drives=True, top_m_s=8.0),
         ScriptedRobot("b", (0.0, 60.0, 25.0), drives=True),
     )
     with on_air(first, second):
         robots, printed = asyncio.run(fly_and_watch())
+    assert first.schedules > 1
     assert [robot.orders for robot in (first, second)] == [["clear_route", "start"]] * 2
     for robot in robots:
         assert robot["mode"] == "running"

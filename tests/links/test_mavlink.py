@@ -22,7 +22,7 @@ from rota.files.geodesy import Projection
 from rota.files.mission_items import mission_items
 from rota.files.rings import circle_ring
 from rota.links.flights import Flights
-from rota.links.link import Report
+from rota.links.link import Order, Report
 from rota.links.link_settings import make_link
 from rota.links.mavlink_address import addresses
 from rota.links.sending import first_reports, routes_for, send_all, start_all
@@ -195,8 +195,8 @@ def test_vehicles_gather_in_the_air_start_together_are_kept_in_phase_and_land() 
             while link.latest("a").mode != "running" or vehicles[0].flight.number != 5:
                 await asyncio.sleep(0.05)
             await asyncio.sleep(1.0)  # until it has said so
-        await link.keep("a", 4.0, 1.0)
-        await link.keep("b", -1.2, 1.0)
+        await link.keep(Order(robot="a", late_s=4.0, behind_s=0.0, rate=1.0))
+        await link.keep(Order(robot="b", late_s=-1.2, behind_s=0.0, rate=1.0))
         assert vehicles[1].paused is False
         assert mav.MAV_CMD_DO_PAUSE_CONTINUE in vehicles[1].commands
         await flights.bring_home()

@@ -16,6 +16,7 @@ from tests.links.test_mavlink import with_link
 
 from rota.errors import LinkError
 from rota.links.flights import Flights
+from rota.links.link import Order
 from rota.links.link_settings import make_link
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
@@ -75,7 +76,7 @@ def test_what_is_late_is_made_up_by_the_pace() -> None:
         await asyncio.sleep(3.0)
         target, paces = link._stream.target("a"), []
         for late_s in (1.0, -1.0):
-            await link.keep("a", late_s, 1.0)
+            await link.keep(Order(robot="a", late_s=late_s, behind_s=0.0, rate=1.0))
             await asyncio.sleep(2.0)
             paces.append(target.pace)
         await link.pause("a")

@@ -15,6 +15,9 @@ from tests.links.ros2_robots import ScriptedRobot, on_air
 from rota.errors import LinkError
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
+from rota.live.driving import Driving
+from rota.live.keeping import Keeping
+from rota.live.watch import Watch
 from rota.ros2.node import CHOSEN_BY, stay_on_loopback
 
 pytestmark = pytest.mark.ros
@@ -129,6 +132,46 @@ def test_robots_of_another_type_are_refused() -> None:
     with pytest.raises(LinkError, match="robot robot-1: it is drone; boat is needed\nrobot b: it is drone; boat"):
         with_link(two(), nothing, robot_type="boat")
     with_link(two(), nothing, robot_type="drone")
+
+
+@pytest.mark.parametrize(
+    ("top_m_s", "late_s", "told"),
+    [
+        (3.95, 0.8, []),  # 0.5 s a round are lost on its legs, and made up where it waits for 3 s
+        (3.5, 2.5, ["b cannot keep up", "all go on at 0.9"]),  # a round lasts 45.7 s at least, of 43 s
+    ],
+)
+def test_robots_keep_to_the_stamps_and_all_wait_for_one_that_cannot(
+    top_m_s: float, late_s: float, told: list[str]
+) -> None:
+    """By the time of a simulator, of which five seconds go by in one."""
+    plan = plan_of(loop_of("a", 0.0), loop_of("b", 200.0))
+    robots = [
+        ScriptedRobot("a", (-10.0, 0.0, 25.0), drives=True, top_m_s=8.0),
+        ScriptedRobot("b", (190.0, 0.0, 25.0), drives=True, top_m_s=top_m_s),
+    ]
+    link, keeping = make_link("ros2", plan, ["use_sim_time=true", "answer_s=10"]), Keeping(plan, {})
+    watch, said = Watch(plan), list[str]()
+
+    async def drive() -> None:
+        try:
+            await link.open()
+            await send_all(link, routes_for(plan, link))
+            await start_all(link, routes_for(plan, link))
+            driving = Driving(link, watch, keeping, None, lambda notice: said.append(notice.text))
+            await driving.drive(until_s=70.0, should_stop=lambda: False)
+        finally:
+            await link.close()
+
+    with on_air(*robots, times=5.0):
+        asyncio.run(drive())
+    a, b = (keeping.late_s(robot) for robot in watch.state().robots)
+    assert min(robot.schedules for robot in robots) > 40
+    assert abs(a) < 0.8
+    assert abs(b) < late_s
+    # its wait lets it keep up again for a while
+    assert bool(said) == bool(told)
+    assert all(text in said[0] for text in told)
 
 
 @pytest.mark.parametrize("fault", ["nan", "frame"])

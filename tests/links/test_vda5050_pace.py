@@ -125,8 +125,7 @@ def test_the_clock_of_all_may_go_more_slowly() -> None:
     pace = Pace(NumberedStops(route(speed_m_s=1.0, holds_s=(2.0, 0.0, 2.0))), 1.0)
     pace.begin(0.0)
     before = pace.goes_on_s(5)
-    pace.keep(0.9, 10.0)
-    pace.keep(1.0, 20.0)
+    pace.behind_s = 1.0
     assert pace.goes_on_s(5) - before == pytest.approx(1.0)
 
 

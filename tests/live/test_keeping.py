@@ -10,11 +10,11 @@ from tests.links.fleets import loop_of, plan_of
 from tests.live.two_robots import two_robots
 
 from rota.errors import LinkError
-from rota.links.link import Link
+from rota.links.link import Link, Order
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
 from rota.live.driving import Driving
-from rota.live.keeping import Keeping, Order, Slack
+from rota.live.keeping import Keeping, Slack
 from rota.live.notices import Notice, NoticeKind, RobotState, Standing
 from rota.live.watch import Watch
 from rota.model.plan import Plan
@@ -44,6 +44,9 @@ def test_all_drive_as_slowly_as_the_slowest_and_what_lapses_by_that_is_told() ->
         "a cannot keep up: 1.0 s late, at 0.95 of its pace; all go on at 0.95 of the plan's pace; at that pace left is"
         " seen every 25.3 s of 25 s"
     )
+    assert keeping.behind_s == pytest.approx(19.0, abs=0.2)
+    orders, _ = keeping.look(401.0, (state("a", 20.0), state("b", keeping.behind_s)))
+    assert {order.behind_s for order in orders} == {keeping.behind_s}
     assert keeping.least_pace() == (pytest.approx(0.96), "left")
 
 
@@ -108,8 +111,8 @@ def test_a_link_that_does_not_answer_is_told_once() -> None:
     class Deaf(Plain):
         keeps_phase = True
 
-        async def keep(self, robot: str, late_s: float, rate: float) -> None:
-            raise LinkError(f"robot {robot}: no answer")
+        async def keep(self, order: Order) -> None:
+            raise LinkError(f"robot {order.robot}: no answer")
 
     plan = plan_of(loop_of("a", 0.0))
     told: list[str] = []

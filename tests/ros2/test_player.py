@@ -72,6 +72,16 @@ def test_poses_go_round_the_loop_for_ever_at_the_plans_speed() -> None:
         assert {one.child_frame_id for each in told["/tf"] for one in each.transforms} == {"a/base_link", "b/base_link"}
 
 
+def test_with_a_clock_of_its_own_stamps_are_the_plans_time() -> None:
+    plan = two_robots(robots=("a", "b"))
+    player = Player(plan, speed=4.0, own_clock=True)
+    (path,) = decoded(player.begin(BEGIN_NS))["/a/path"]
+    assert [at(each.header.stamp) for each in path.poses] == np.round(plan.trajectories[0].times_s * 1e9).tolist()
+    (told,) = decoded(player.clock(14.0))["/clock"]
+    (pose,) = decoded(player.poses(14.0))["/a/pose"]
+    assert at(told.clock) == at(pose.header.stamp) == 14_000_000_000
+
+
 def test_robots_that_never_move_are_told_once() -> None:
     plan = two_robots(robots=("a", "b"))
     standing = Trajectory(robot="b", times_s=[0], positions_m=[[7, 8]])

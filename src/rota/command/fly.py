@@ -11,7 +11,7 @@ import threading
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from io import UnsupportedOperation
 from typing import TYPE_CHECKING, Annotated
 
@@ -142,8 +142,7 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
             if flights is not None:
                 await flights.gather(routes)
             await start_all(link, routes)
-            # while this goes on, nobody else can listen where vehicles that it keeps in phase are heard
-            holds = along is not None and link.keeps_phase and not link.drives_along
+            holds = along is not None and link.heard_by_one
             _tell_started(link, len(routes), "" if holds else watching)
             if along is not None:
                 try:
@@ -202,10 +201,10 @@ def _tell_started(link: Link, robots: int, watching: str) -> None:
 
 
 def _begun_text(link: Link) -> str:
-    """When the plan's time began, as the system's clock tells."""
+    """When the plan's time began, by the clock that robots' stamps are of."""
     from rota.files.timed_places import instant_text
 
-    return instant_text(datetime.now(UTC) - timedelta(seconds=link.time_s))
+    return instant_text(datetime.fromtimestamp(link.begun_s, UTC))
 
 
 async def _command(link: Link, plan: Plan, home: bool) -> None:

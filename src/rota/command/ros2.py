@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -32,6 +33,9 @@ def ros2(
         float | None,
         typer.Option(min=0, max=1e10, metavar="SECONDS", help="Stop at this time of the plan; default: never."),
     ] = None,
+    clock: Annotated[
+        bool, typer.Option("--clock", help="Publish the plan's time on /clock, for nodes with use_sim_time.")
+    ] = False,
     network: Annotated[
         bool, typer.Option("--network", help="Let other machines listen, too; default: this one alone.")
     ] = False,
@@ -50,18 +54,27 @@ def ros2(
     with opened_node("rota") as node:
         from rota.ros2.player import Player
 
-        player, publishers = Player(answer, speed), Publishers(node)
+        player, publishers = Player(answer, speed, own_clock=clock), Publishers(node)
         with stop_on_interrupt(lambda by: say(f"stopping; {by} again ends at once")) as stop:
             where = "on the network" if network else "on this machine"
             say(f"playing {len(answer.trajectories)} robots {where}; Ctrl-C stops")
-            _play(player, publishers, speed, rate, until, stop)
+            _play(player, publishers, Pace(speed=speed, rate_hz=rate, until_s=until, has_clock=clock), stop)
     raise typer.Exit(stop.exit_code)
 
 
-def _play(
-    player: Player, publishers: Publishers, speed: float, rate_hz: float, until_s: float | None, stop: StopFlag
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class Pace:
+    """How fast a plan is played, how often it is told, and until when; and whether its time is told, too."""
+
+    speed: float
+    rate_hz: float
+    until_s: float | None
+    has_clock: bool
+
+
+def _play(player: Player, publishers: Publishers, pace: Pace, stop: StopFlag) -> None:
     """Publish until the time is up or the flag; what the machine is too slow for is left out."""
+    speed, until_s = pace.speed, pace.until_s
     begin_s, step, ages_due_s = time.monotonic(), 0, 0.0
     publishers.publish(player.begin(time.time_ns()))
     told: set[str] = set()
@@ -70,6 +83,8 @@ def _play(
         last = until_s is not None and time_s >= until_s
         if last and until_s is not None:
             time_s = until_s
+        if pace.has_clock:
+            publishers.publish(player.clock(time_s))
         publishers.publish(player.poses(time_s))
         publishers.publish(player.footprints(time_s))
         if last or time_s >= ages_due_s:
@@ -80,8 +95,8 @@ def _play(
             told.add(package)
         if last:
             return
-        step = max(step + 1, int((time.monotonic() - begin_s) * rate_hz))
-        _sleep_until(begin_s + step / rate_hz, stop)
+        step = max(step + 1, int((time.monotonic() - begin_s) * pace.rate_hz))
+        _sleep_until(begin_s + step / pace.rate_hz, stop)
 
 
 def _sleep_until(instant_s: float, stop: StopFlag) -> None:

@@ -40,6 +40,20 @@ class Report:
     mode: Mode | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Order:
+    """How a robot on its route is to keep to the clock of all robots, whose time is that of the plan while all keep up.
+
+    late_s: how far it is behind that clock; below 0: ahead of it. behind_s: how far the clock is behind the link's
+    time. rate: the pace, as a share of the plan's, at which the robot is to go on.
+    """
+
+    robot: str
+    late_s: float
+    behind_s: float
+    rate: float
+
+
 class Link(Protocol):
     """A connection to a fleet. Every method raises LinkError, which names the robot, where it fails or takes too long.
 
@@ -64,8 +78,16 @@ class Link(Protocol):
         """Seconds since the plan's start."""
 
     @property
+    def begun_s(self) -> float:
+        """The plan's start in seconds since 1970, by the clock that its robots' stamps are of."""
+
+    @property
     def in_process(self) -> bool:
         """Whether its robots are simulated in this process: whoever opens it has to start them."""
+
+    @property
+    def heard_by_one(self) -> bool:
+        """Whether nobody else can hear its robots while it is open."""
 
     @property
     def takes_fences(self) -> bool:
@@ -116,8 +138,8 @@ class Link(Protocol):
     async def start(self, robot: str) -> None:
         """Let the robot drive its route, or go on after ``pause``."""
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
-        """Let a robot on its route gain ``late_s`` (below 0: lose as much) on a clock that goes at ``rate`` (0 to 1).
+    async def keep(self, order: Order) -> None:
+        """Let a robot on its route keep to the clock of all.
 
         Called about once a second for each robot, with what is late then. The link does what its robots can, by their
         speeds and waits, no faster than they may drive; what they cannot make up shows in the next call.

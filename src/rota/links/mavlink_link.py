@@ -17,7 +17,7 @@ from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import Autopilot
 from rota.links.inbox import Bounds
-from rota.links.link import Mode
+from rota.links.link import Mode, Order
 from rota.links.mavlink_address import addresses
 from rota.links.mavlink_failsafes import read_parameters, told_of
 from rota.links.mavlink_guided import Guided
@@ -78,6 +78,7 @@ class MavlinkLink(RealTimeLink):
     takes_fences = True
     drives_along = False
     keeps_phase = True
+    heard_by_one = True
     flies = True
     modes: ClassVar[dict[str, Mode]] = MODES
 
@@ -300,10 +301,10 @@ class MavlinkLink(RealTimeLink):
         if pace is not None:
             await pace.begin()
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+    async def keep(self, order: Order) -> None:
         """By the speed of the leg that it flies, or a pause; nothing for a vehicle whose mission is not from here."""
-        if robot in self._paces:
-            await self._paces[robot].keep(late_s, rate)
+        if order.robot in self._paces:
+            await self._paces[order.robot].keep(order.late_s, order.rate)
 
     async def pause(self, robot: str) -> None:
         """Hold."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from rota.errors import LinkError
 from rota.files.geodesy import Projection
-from rota.links.link import Mode
+from rota.links.link import Mode, Order
 from rota.links.mavlink_guided import CUSTOM_MODE, DO_SET_MODE, GUIDED
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_link import MODES, MavlinkLink, MavlinkSettings
@@ -73,11 +73,11 @@ class MavlinkTargetLink(MavlinkLink):
             lost=paused_s is not None,
         )
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+    async def keep(self, order: Order) -> None:
         """By the pace of its targets."""
-        target = self._stream.target(robot)
+        target = self._stream.target(order.robot)
         if target is not None:
-            target.keep(late_s, rate)
+            target.keep(order.late_s, order.rate)
 
     async def pause(self, robot: str) -> None:
         """No more targets, and hold."""

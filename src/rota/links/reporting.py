@@ -8,7 +8,7 @@ from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Map
 
 from rota.errors import LinkError
 from rota.links.inbox import Bounds, ReportInbox
-from rota.links.link import Fault, Rejections, Report
+from rota.links.link import Fault, Order, Rejections, Report
 from rota.links.plan_clock import PlanClock
 from rota.routes.route import Place3
 
@@ -82,18 +82,24 @@ class RealTimeLink(ReportingLink):
 
     in_process = False
     keeps_phase = False
+    heard_by_one = False
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+    async def keep(self, order: Order) -> None:
         """Links to robots that cannot be kept in phase do nothing."""
 
     def __init__(self, robots: Collection[str], bounds_m: Bounds, start_time: str, where: str) -> None:
         super().__init__(robots, bounds_m)
-        self._clock = PlanClock(start_time, where)
+        self._clock: PlanClock = PlanClock(start_time, where)
 
     @property
     def time_s(self) -> float:
         """Seconds since the plan's start."""
         return self._clock.now_s()
+
+    @property
+    def begun_s(self) -> float:
+        """The plan's start, in seconds since 1970."""
+        return self._clock.unix_s(0.0)
 
     def begin(self) -> None:
         """Let the plan's time start now, unless it is given when it started; reports count from then on."""

@@ -2,7 +2,8 @@
 
 A robot publishes ``pose`` (geometry_msgs/PoseStamped), and may publish ``battery_state`` (sensor_msgs/BatteryState),
 ``mode`` (std_msgs/String, a mode of ``rota.links.link``) and ``robot_type`` (std_msgs/String, latched). It takes
-``route`` (nav_msgs/Path, see ``rota.links.ros2_route``), and serves ``get_route`` (nav_msgs/GetPlan: the route that it
+``route`` (nav_msgs/Path, see ``rota.links.ros2_route``) and, to keep in phase, ``schedule`` (nav_msgs/Path, see
+``rota.links.ros2_schedule``), and serves ``get_route`` (nav_msgs/GetPlan: the route that it
 holds) and ``start``, ``pause``, ``come_home`` and ``clear_route`` (std_srvs/Trigger).
 """
 
@@ -18,10 +19,12 @@ from typing import Any, ClassVar
 
 from rota.errors import LinkError
 from rota.files.ros.names import MAP_FRAME, namespaces
-from rota.links.inbox import Bounds
+from rota.links.link import Order
 from rota.links.reporting import RealTimeLink
+from rota.links.ros2_clock import NodeClock
 from rota.links.ros2_robot import ASK_AGAIN_S, Ros2Robot, nanoseconds
 from rota.links.ros2_route import NS_PER_S, path_differences, timed_path
+from rota.links.ros2_schedule import Schedule
 from rota.model.plan import Plan
 from rota.model.planner_settings import Settings, setting
 from rota.ros2.node import opened_node, require_rclpy, stay_on_loopback
@@ -40,6 +43,7 @@ class Ros2Settings(Settings):
     wait_s: float = setting(10.0, "how long a robot may take to be heard", above=0, most=3600)
     answer_s: float = setting(5.0, "how long it may take to answer", above=0, most=3600)
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
+    use_sim_time: bool = setting(False, "time is that of /clock, as a simulator publishes it")
 
 
 SETTINGS = Ros2Settings
@@ -49,7 +53,7 @@ def link_to(plan: Plan, settings: Ros2Settings) -> Ros2Link:
     """A robot for each of the plan's, in the namespace that its name gives."""
     require_rclpy("geometry_msgs.msg", "nav_msgs.srv", "sensor_msgs.msg", "std_msgs.msg", "std_srvs.srv")
     names = dict(zip((trajectory.robot for trajectory in plan), namespaces(plan), strict=True))
-    return Ros2Link(names, plan.mission.area.bounds, settings)
+    return Ros2Link(plan, names, settings)
 
 
 class Ros2Link(RealTimeLink):
@@ -57,10 +61,15 @@ class Ros2Link(RealTimeLink):
 
     takes_fences = False
     drives_along = False
+    keeps_phase = True
 
-    def __init__(self, names: dict[str, str], bounds_m: Bounds, settings: Ros2Settings) -> None:
-        super().__init__(names, bounds_m, settings.start_time, "ros2.start_time")
+    def __init__(self, plan: Plan, names: dict[str, str], settings: Ros2Settings) -> None:
+        super().__init__(names, plan.mission.area.bounds, settings.start_time, "ros2.start_time")
+        if settings.use_sim_time:
+            self._clock = NodeClock(settings.start_time, "ros2.start_time")
         self._settings = settings
+        self._top_m_s = {name: plan.mission.fleet.robot(name).speed_m_s for name in names}
+        self._schedules: dict[str, Schedule] = {}
         self._robots = {robot: Ros2Robot(name=robot, namespace=namespace) for robot, namespace in names.items()}
         self._closing = ExitStack()
         self._pending = 0
@@ -71,12 +80,14 @@ class Ros2Link(RealTimeLink):
         """Raises LinkError for robots that are not heard or of another type."""
         if not self._settings.network:
             stay_on_loopback()
+        node = self._closing.enter_context(opened_node("rota_link", use_sim_time=self._settings.use_sim_time))
+        self._closing.callback(_spinning(node))
+        if isinstance(self._clock, NodeClock):
+            await self._clock.follow(node, self._settings.wait_s)
         self._clock.begin()
-        node = self._closing.enter_context(opened_node("rota_link"))
         deliver = partial(self._deliver, asyncio.get_running_loop())
         for robot in self._robots.values():
             robot.connect(node, deliver, self._take_pose, self._inbox.reject)
-        self._closing.callback(_spinning(node))
         robots = self._robots.values()
         with suppress(TimeoutError):
             async with asyncio.timeout(self._settings.wait_s):
@@ -140,9 +151,11 @@ class Ros2Link(RealTimeLink):
 
     async def send_route(self, route: Route) -> None:
         """Take away what the robot holds, publish its route, and wait until it holds one."""
-        robot = self._robot(route.robot)
+        robot, path = self._robot(route.robot), timed_path(route)
         await robot.order("clear_route", self._settings.answer_s)
-        await robot.hold(timed_path(route), self._settings.answer_s)
+        await robot.hold(path, self._settings.answer_s)
+        # one that has mass cannot hurry: its legs are as fast as its motors allow
+        self._schedules[route.robot] = Schedule(path, self._top_m_s[route.robot] if route.planned is None else None)
 
     async def differences(self, route: Route) -> tuple[str, ...]:
         """Ask the robot for its route, and compare it pose by pose."""
@@ -151,11 +164,18 @@ class Ros2Link(RealTimeLink):
 
     async def clear_route(self, robot: str) -> None:
         """Call the robot's clear_route."""
+        self._schedules.pop(robot, None)
         await self._robot(robot).order("clear_route", self._settings.answer_s)
 
     async def start(self, robot: str) -> None:
         """Call the robot's start."""
         await self._robot(robot).order("start", self._settings.answer_s)
+
+    async def keep(self, order: Order) -> None:
+        """By a schedule, which takes the place of the one before; nothing for a robot whose route is not from here."""
+        schedule = self._schedules.get(order.robot)
+        if schedule is not None:
+            self._robot(order.robot).be_in_time(schedule.ahead(order, self.time_s, self.begun_s))
 
     async def pause(self, robot: str) -> None:
         """Call the robot's pause."""
@@ -163,6 +183,7 @@ class Ros2Link(RealTimeLink):
 
     async def come_home(self, robot: str) -> None:
         """Call the robot's come_home."""
+        self._schedules.pop(robot, None)
         await self._robot(robot).order("come_home", self._settings.answer_s)
 
     def _robot(self, name: str) -> Ros2Robot:

@@ -33,6 +33,7 @@ class Ros2Robot:
     mode: str | None = None
     heard: asyncio.Event = field(default_factory=asyncio.Event)
     _route: Any = None
+    _schedule: Any = None
     _held: Any = None
     _orders: dict[str, Any] = field(default_factory=dict)
 
@@ -71,6 +72,7 @@ class Ros2Robot:
         listen(String, "mode", take_mode)
         listen(String, "robot_type", lambda message: setattr(self, "kind", message.data[:MOST_WORDS]), latched)
         self._route = node.create_publisher(Path, f"/{self.namespace}/route", 10)
+        self._schedule = node.create_publisher(Path, f"/{self.namespace}/schedule", 1)
         self._held = node.create_client(GetPlan, f"/{self.namespace}/get_route")
         self._orders = {order: node.create_client(Trigger, f"/{self.namespace}/{order}") for order in ORDERS}
 
@@ -85,31 +87,25 @@ class Ros2Robot:
 
     async def hold(self, path: TimedPath, limit_s: float) -> None:
         """Publish a route, and wait until the robot holds one; LinkError where it does not in time."""
-        from geometry_msgs.msg import PoseStamped
-        from nav_msgs.msg import Path
-
-        message = Path()
-        message.header.frame_id = MAP_FRAME
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(path.loop_ns, NS_PER_S)
-        for (x, y, z), time_ns in zip(path.places_m, path.times_ns, strict=True):
-            pose = PoseStamped()
-            pose.header.frame_id = MAP_FRAME
-            pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(time_ns, NS_PER_S)
-            pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = x, y, z
-            message.poses.append(pose)
         try:
             async with asyncio.timeout(limit_s):
                 while self._route.get_subscription_count() == 0:
                     await asyncio.sleep(ASK_AGAIN_S)
         except TimeoutError:
             raise LinkError(f"robot {self.name}: nobody listens on /{self.namespace}/route") from None
-        self._route.publish(message)
+        self._route.publish(_message(path))
         try:
             async with asyncio.timeout(limit_s):
                 while not (await self.held(limit_s)).places_m:
                     await asyncio.sleep(ASK_AGAIN_S)
         except TimeoutError:
             raise LinkError(f"robot {self.name}: it holds no route {limit_s:g} s after it was sent") from None
+
+    def be_in_time(self, path: TimedPath) -> None:
+        """Publish a schedule; LinkError where nobody listens to it."""
+        if self._schedule.get_subscription_count() == 0:
+            raise LinkError(f"robot {self.name}: nobody listens on /{self.namespace}/schedule")
+        self._schedule.publish(_message(path))
 
     async def held(self, limit_s: float) -> TimedPath:
         """The route that the robot says it holds."""
@@ -138,6 +134,23 @@ class Ros2Robot:
             raise LinkError(f"robot {self.name}: {what}: no answer within {limit_s:g} s") from None
         assert future is not None
         return future.result()
+
+
+def _message(path: TimedPath) -> Any:
+    """A nav_msgs/Path with a stamp for each pose, and its own."""
+    from geometry_msgs.msg import PoseStamped
+    from nav_msgs.msg import Path
+
+    message = Path()
+    message.header.frame_id = MAP_FRAME
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(path.loop_ns, NS_PER_S)
+    for (x, y, z), time_ns in zip(path.places_m, path.times_ns, strict=True):
+        pose = PoseStamped()
+        pose.header.frame_id = MAP_FRAME
+        pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(time_ns, NS_PER_S)
+        pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = x, y, z
+        message.poses.append(pose)
+    return message
 
 
 def nanoseconds(stamp: Any) -> int:

@@ -18,7 +18,7 @@ import numpy as np
 
 from rota.errors import LinkError, RotaError
 from rota.links.inbox import Bounds
-from rota.links.link import Mode, Report
+from rota.links.link import Mode, Order, Report
 from rota.links.reporting import ReportingLink
 from rota.links.vehicles import HOME_SPEED_M_S, Vehicle, Vehicles, drive_home, drive_of
 from rota.model.plan import Plan
@@ -78,6 +78,8 @@ class SimulatedLink(ReportingLink):
     drives_along = True
     keeps_phase = True
     in_process = True
+    heard_by_one = True
+    begun_s = 0.0
 
     def __init__(
         self, homes: dict[str, Place3], bounds_m: Bounds, top_m_s: dict[str, float], settings: SimulatedSettings
@@ -159,10 +161,10 @@ class SimulatedLink(ReportingLink):
         vehicle.mode = "running"
         self._fleet.running[self._number[robot]] = True
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+    async def keep(self, order: Order) -> None:
         """Faster or slower legs, shorter waits, or a stop where it is."""
-        self._vehicle(robot)
-        self._fleet.keep(self._number[robot], late_s, rate)
+        self._vehicle(order.robot)
+        self._fleet.keep(self._number[order.robot], order.late_s, order.rate)
 
     async def pause(self, robot: str) -> None:
         """It stands until it is started again."""

@@ -14,6 +14,7 @@ from rota.errors import LinkError
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window
 from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, wait_action_given
 from rota.links.extras import required
+from rota.links.link import Order
 from rota.links.reporting import RealTimeLink
 from rota.links.vda5050_broker import BY_RELEASE, Broker, Vda5050Settings
 from rota.links.vda5050_state import (
@@ -301,9 +302,9 @@ class Vda5050Link(RealTimeLink):
         vehicle.begin(next(begun_s, None))
         await self._talk.act(vehicle, "stopPause", lambda state: not state.paused)
 
-    async def keep(self, robot: str, late_s: float, rate: float) -> None:
-        """Orders keep to a clock at all times, by what each stop is told when it is released: it goes at this rate."""
-        self._vehicle(robot).keep(rate)
+    async def keep(self, order: Order) -> None:
+        """Orders keep to a clock at all times, by what each stop is told when it is released: to that of all."""
+        self._vehicle(order.robot).keep(order.behind_s)
 
     def room_s(self, robot: str) -> float:
         """What the waits and the slower legs of a round leave, beyond what its vehicle takes longer."""

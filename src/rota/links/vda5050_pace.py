@@ -24,7 +24,8 @@ MOST_ROOM_S = 1.0
 class Pace:
     """The times of one vehicle's stops, in seconds of the clock that ``begin`` and ``heard`` are told.
 
-    zero_s: when the plan started by that clock; None until it has.
+    begun_s: when the plan started by that clock; None until it has. behind_s: how far the clock of all robots, which
+    the vehicle keeps to, is behind the plan's.
     """
 
     def __init__(self, stops: NumberedStops, top_speed_m_s: float) -> None:
@@ -36,8 +37,9 @@ class Pace:
             self._once_s.append(self._once_s[-1] + self._planned_s(number))
         for number in self._one_round:
             self._round_s.append(self._round_s[-1] + self._planned_s(number))
-        self.zero_s: float | None = None
-        self._last, self._last_s, self._kept_s = 0, 0.0, 0.0
+        self.begun_s: float | None = None
+        self.behind_s = 0.0
+        self._last, self._last_s = 0, 0.0
         self._times = LegTimes()
         self._told: dict[int, RouteStop] = {0: replace(stops.stop(0), hold_s=0.0, turn_s=0.0)}
         self._released_s: dict[int, float] = {}
@@ -55,17 +57,16 @@ class Pace:
 
     # ------------------------------------------------------------ the plan's times
 
+    @property
+    def zero_s(self) -> float | None:
+        """When the plan started as the clock of all has it; None until it has."""
+        return None if self.begun_s is None else self.begun_s + self.behind_s
+
     def begin(self, now_s: float) -> None:
         """The plan's clock starts now, unless it has."""
-        if self.zero_s is None:
-            self.zero_s = self._last_s = self._kept_s = now_s
+        if self.begun_s is None:
+            self.begun_s = self._last_s = now_s
             self._released_s.clear()  # what was released was so before
-
-    def keep(self, rate: float, now_s: float) -> None:
-        """The plan's clock went at this rate (0 to 1) since the last call."""
-        if self.zero_s is not None:
-            self.zero_s += (1 - rate) * (now_s - self._kept_s)
-            self._kept_s = now_s
 
     def arrives_s(self, number: int) -> float:
         """When the vehicle is at a stop by plan, in seconds since the start."""

@@ -93,10 +93,10 @@ class Vda5050Vehicle:
         if self._pace is not None and not self.returning:
             self._pace.begin(time.monotonic() if others_s is None else others_s)
 
-    def keep(self, rate: float) -> None:
-        """Let the clock that it keeps to go at this rate from the last call on."""
+    def keep(self, behind_s: float) -> None:
+        """Let the clock that it keeps to be so far behind the plan's."""
         if self._pace is not None:
-            self._pace.keep(rate, time.monotonic())
+            self._pace.behind_s = behind_s
 
     @property
     def room_s(self) -> float:
@@ -106,7 +106,7 @@ class Vda5050Vehicle:
     @property
     def begun_s(self) -> float | None:
         """When the clock that it keeps to started."""
-        return None if self._pace is None else self._pace.zero_s
+        return None if self._pace is None else self._pace.begun_s
 
     @property
     def trouble(self) -> str:

@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable
 
 from rota.errors import LinkError
-from rota.links.link import Link
-from rota.live.keeping import LATE_S, Keeping, Order
+from rota.links.link import Link, Order
+from rota.live.keeping import LATE_S, Keeping
 from rota.live.notices import Notice
 from rota.live.session import Session
 from rota.live.watch import Watch
@@ -84,7 +84,7 @@ class Driving:
 
     async def _keep(self, order: Order) -> None:
         try:
-            await self._link.keep(order.robot, order.late_s, order.rate)
+            await self._link.keep(order)
         except LinkError as error:
             if order.robot not in self._deaf:
                 self._deaf.add(order.robot)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from rota.links.link import Mode
+from rota.links.link import Mode, Order
 from rota.live.notices import Notice, NoticeKind, RobotState, listed
 from rota.model.plan import Plan
 
@@ -24,15 +24,6 @@ TOLD_AFTER_S = 10.0  # that a robot is so late without a break
 NOTED = 0.01  # by which the pace has to be below the plan's to be told
 NO_ROOM: Mapping[str, float] = MappingProxyType({})
 DRIVING: tuple[Mode | None, ...] = (None, "running")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Order:
-    """What a robot is to make up, as ``Link.keep`` takes it."""
-
-    robot: str
-    late_s: float
-    rate: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +88,7 @@ class Keeping:
     def _order(self, name: str, late_s: float) -> Order:
         # one that is late drives as fast as it can: its pace tells how slowly all have to go
         rate = self.rate if late_s < EARLY_SHARE * LATE_S else self._most_rate
-        return Order(robot=name, late_s=late_s, rate=rate)
+        return Order(robot=name, late_s=late_s, behind_s=self.behind_s, rate=rate)
 
     def _standing(self, now_s: float, name: str, track: _Track, late_s: float, pace: float | None) -> list[Notice]:
         """That a robot cannot keep up, once, with what that leads to; and that it can again."""

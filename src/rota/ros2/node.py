@@ -89,15 +89,19 @@ def require_rclpy(*packages: str) -> None:
 
 
 @contextmanager
-def opened_node(name: str) -> Iterator[Any]:
-    """A node that is gone after the block, with signals left to the program. RotaError where ROS 2 cannot be used."""
+def opened_node(name: str, *, use_sim_time: bool = False) -> Iterator[Any]:
+    """A node that is gone after the block, with signals left to the program. RotaError where ROS 2 cannot be used.
+
+    use_sim_time: its clock is that of /clock.
+    """
     require_rclpy()
     import rclpy
+    from rclpy.parameter import Parameter
     from rclpy.signals import SignalHandlerOptions
 
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        node = rclpy.create_node(name)
+        node = rclpy.create_node(name, parameter_overrides=[Parameter("use_sim_time", value=use_sim_time)])
     except Exception as error:  # rclpy's own errors have no common base
         raise RotaError(f"ROS 2 cannot be reached: {error}") from error
     try:

@@ -12,7 +12,7 @@ from rota.cells.cell_map import cell_map_of
 from rota.draw.route_lines import robot_colours
 from rota.draw.sightings import Sightings
 from rota.errors import PlanError
-from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
+from rota.files.ros.grids import GroundGrid, free_space, percent_of_period, usual_cells
 from rota.files.ros.library import grid_message, header_of, types_of
 from rota.files.ros.names import namespaces
 from rota.files.ros.poses import Motion, own_tracks
@@ -28,8 +28,9 @@ from rota.files.ros.wire import (
 from rota.model.plan import Floats, Plan
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
-MAP_CELLS, AGE_CELLS = 40_000, 16_000
+AGE_CELLS = 16_000
 LINE_LIST, ADD, DELETE = 5, 0, 2  # visualization_msgs/Marker
+CLOCK_KIND = "rosgraph_msgs/msg/Clock"
 MARKERS_KIND = "visualization_msgs/msg/MarkerArray"
 AGES, FOOTPRINTS = "/time_since_seen", "/footprints"
 
@@ -37,12 +38,13 @@ AGES, FOOTPRINTS = "/time_since_seen", "/footprints"
 class Player:
     """A plan's messages for ROS 2, of whose seconds ``speed`` go by in one. ``begin`` comes first.
 
-    Stamps are the instants at which robots are there. Time goes on, never back.
+    Stamps are the instants at which robots are there; with ``own_clock`` those of a clock that goes as fast as the plan
+    does, which ``clock`` tells. Time goes on, never back.
     """
 
-    def __init__(self, plan: Plan, speed: float) -> None:
+    def __init__(self, plan: Plan, speed: float, *, own_clock: bool = False) -> None:
         self._plan = plan
-        self._begin_ns, self._speed = 0, speed
+        self._begin_ns, self._speed = 0, 1.0 if own_clock else speed
         self._motions = [
             (namespace, Motion(trajectory)) for namespace, trajectory in zip(namespaces(plan), plan, strict=True)
         ]
@@ -51,8 +53,7 @@ class Player:
         self._cells = cell_map_of(plan.mission, AGE_CELLS)
         self._sightings = Sightings(plan_at_constant_speeds(plan), self._cells)
         self._seen_until_s = 0.0
-        fine = cell_map_of(plan.mission, MAP_CELLS)
-        self._ground = free_space(plan.mission, fine.x_m, fine.y_m, fine.cell_m)
+        self._ground = free_space(plan.mission, *usual_cells(plan.mission))
 
     def begin(self, begin_ns: int) -> list[Messages]:
         """Let the plan's 0 be ``begin_ns`` since 1970: free space, the paths, and transforms of who never moves.
@@ -73,6 +74,13 @@ class Player:
         stamps = self._stamps(times_s)
         told = [pose_messages(motion.track(name, times_s), stamps, 2) for name, motion in self._motions]
         return told + self._transforms(time_s, still=False)
+
+    def clock(self, time_s: float) -> list[Messages]:
+        """The time, for nodes with ``use_sim_time``."""
+        kinds, stamps = self._types.types, self._stamps(np.array([time_s]))
+        time = kinds["builtin_interfaces/msg/Time"](sec=int(stamps[0]) // NS_PER_S, nanosec=int(stamps[0]) % NS_PER_S)
+        data = bytes(self._types.serialize_cdr(kinds[CLOCK_KIND](clock=time), CLOCK_KIND))
+        return [Messages(topic="/clock", kind=CLOCK_KIND, stamps_ns=stamps, data=data, size=len(data))]
 
     def ages(self, time_s: float) -> list[Messages]:
         """How long ago each place was seen, in percent of its period; 100: that long ago or more, or not yet.

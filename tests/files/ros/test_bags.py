@@ -23,7 +23,7 @@ from tests.files.two_robots import two_robots
 
 from rota.errors import PlanError, RotaError
 from rota.files.ros.bags import write_rosbag1, write_rosbag2
-from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
+from rota.files.ros.grids import GroundGrid, free_space, percent_of_period, usual_cells
 from rota.files.ros.poses import sampled_tracks
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.model.plan import Plan, Trajectory
@@ -258,6 +258,21 @@ def test_free_space_is_what_robots_may_drive_on() -> None:
         [-1, 0, 0, 0, 100],
     ]
     assert grid.corner_m == (-1, 0)
+
+
+@pytest.mark.parametrize(
+    ("width_m", "height_m", "cell_m", "shape"),
+    [(12.32, 7, 0.05, (140, 247)), (50, 50, 0.05, (1000, 1000)), (51, 50, 0.1, (500, 510)), (330, 280, 0.5, (560, 660)),
+     (0.01, 0.01, 0.05, (1, 1)), (100_000, 3000, 20, (150, 5000))],
+)  # fmt: skip
+def test_maps_have_cells_as_robots_maps_have(
+    width_m: float, height_m: float, cell_m: float, shape: tuple[int, int]
+) -> None:
+    fleet = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1))
+    mission = Mission(name="m", area=box(3, -2, 3 + width_m, -2 + height_m), period_s=9, fleet=fleet)
+    grid = free_space(mission, *usual_cells(mission))
+    assert (grid.cell_m, grid.values.shape) == (cell_m, shape)
+    assert grid.corner_m == pytest.approx((3, -2))
 
 
 def test_shares_of_the_period_are_rounded_down_and_a_whole_one_is_100() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,8 @@ UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 WITHIN = 1e-6  # of a cell: what only touches its border is not in it
 
 ROUNDING = 1e-9
+USUAL_CELLS_M = [digit * ten for ten in (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0, 1e4) for digit in (1, 2, 5)][2:]
+MOST_CELLS = 1_000_000  # of the map: a megabyte
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +33,20 @@ class GroundGrid:
     def corner_m(self) -> tuple[float, float]:
         """x, y of the lower left corner."""
         return float(self.x_m[0]) - self.cell_m / 2, float(self.y_m[0]) - self.cell_m / 2
+
+
+def usual_cells(mission: Mission) -> tuple[Floats, Floats, float]:
+    """Cells over the area's bounding box, from its lower left corner: centres x_m (columns,), y_m (rows,), and a side.
+
+    Sides are those that robots' maps have: 5 cm, or the next of 0.1, 0.2, 0.5, 1 m and so on with which there are no
+    more than ``MOST_CELLS``.
+    """
+    left, bottom, right, top = mission.area.bounds
+    for cell_m in USUAL_CELLS_M:
+        columns, rows = (max(1, math.ceil(side_m / cell_m - WITHIN)) for side_m in (right - left, top - bottom))
+        if columns * rows <= MOST_CELLS:
+            break
+    return left + cell_m * (np.arange(columns) + 0.5), bottom + cell_m * (np.arange(rows) + 0.5), cell_m
 
 
 def free_space(mission: Mission, x_m: Floats, y_m: Floats, cell_m: float) -> GroundGrid:
