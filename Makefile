@@ -8,12 +8,12 @@ unexport PYTHONDONTWRITEBYTECODE
 
 setup: .venv/ready
 
-.venv/ready: pyproject.toml requirements.lock
+.venv/ready: pyproject.toml studies/pyproject.toml requirements.lock
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { \
 	  echo "Creating .venv failed: Debian and Ubuntu need 'apt install python3-venv'."; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
 	# Rota with what it runs on first: its loops are compiled while the tools for tests and pages are installed
-	$(BIN)/uv pip install --quiet --python $(BIN)/python --constraints requirements.lock --editable .
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --constraints requirements.lock --editable . --editable studies
 	@$(BIN)/rota compile patrol >.venv/compile.log 2>&1 &
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --requirements requirements.lock
 	@touch $@

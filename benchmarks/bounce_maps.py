@@ -6,8 +6,8 @@ import shapely
 from shapely import MultiPolygon
 
 from rota.files.text_map import text_map
-from rota.papers.alam2020.maps import ROOM_10 as ROOM_10, ROOM_15 as ROOM_15
 from rota.planners.bounce.cells import Cells, cells_of
+from rota_studies.alam2020.maps import ROOM_10 as ROOM_10, ROOM_15 as ROOM_15
 
 OPEN = "\n".join(["." * 10] * 10)
 LESS_EIGHT = "\n".join([".########."] + ["." * 10] * 9)  # 92 cells: two robots have 736 ** 2 = 541,696 states

@@ -18,11 +18,11 @@ from benchmarks.row import Options, Row
 from rota.errors import PlanError
 from rota.files.mission_file import read_mission
 from rota.model.plan import Plan
-from rota.papers.alam2020 import maps
-from rota.papers.alam2020.monitoring_figures import PURPOSES
-from rota.papers.alam2020.runs import METHODS, Runs, StudySettings
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planning.make_plan import make_plan
+from rota_studies.alam2020 import maps
+from rota_studies.alam2020.monitoring_figures import PURPOSES
+from rota_studies.alam2020.runs import METHODS, Runs, StudySettings
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
 DURATION_S, SEEDS, FAR_M, MOST_M = 200.0, 5, 0.25, 0.01

@@ -19,7 +19,6 @@ from benchmarks.row import Options, Row
 from benchmarks.warm_cache import measured_warm
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.papers.sun2019 import figure_13
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
@@ -27,6 +26,7 @@ from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_t
 from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame, straight_distances
+from rota_studies.sun2019 import figure_13
 
 PEER = "fast-tsp>=0.2,<0.3"
 PEER_S = 2.0  # what the peer is given for a tour: its default

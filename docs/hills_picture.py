@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rota.papers.chen2018.maps import hills_m
+from rota_studies.chen2018.maps import hills_m
 
 PICTURE = Path(__file__).parents[1] / "examples" / "hills.png"
 SIDE_M = 128

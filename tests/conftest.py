@@ -24,13 +24,13 @@ ORDER = (
     "check",
     "planners/bounce",
     "draw",
-    "papers",
+    "studies",
     "command",
 )
 
 
 def place_in_order(item: pytest.Item) -> int:
-    path = item.path.relative_to(PROJECT / "tests").as_posix()
+    path = item.path.relative_to(PROJECT).as_posix().removeprefix("tests/")
     return next((k for k, folder in enumerate(ORDER) if path.startswith(folder + "/")), len(ORDER))
 
 

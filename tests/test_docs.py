@@ -19,8 +19,8 @@ from tests.planners.patrol.searching import YARD, search_on
 import rota
 from rota import Plan, Trajectory
 from rota.command.cli import app
-from rota.command.study import app as study_app
 from rota.exports import FORMATS
+from rota_studies.command import app as study_app
 
 PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
@@ -211,7 +211,10 @@ def test_pages_name_all_commands_and_formats() -> None:
 
 @pytest.mark.parametrize("name", ["architecture.md", "algorithm.md"])
 def test_pages_name_files_that_exist(name: str) -> None:
-    tree = [path.relative_to(PROJECT).as_posix() for path in [*SOURCE.rglob("*"), *(PROJECT / "tests").rglob("*.py")]]
+    tree = [
+        path.relative_to(PROJECT).as_posix()
+        for path in [*SOURCE.rglob("*"), *(PROJECT / "studies").rglob("*"), *(PROJECT / "tests").rglob("*.py")]
+    ]
     page = (DOCS / name).read_text().replace("planners/NAME", "planners/patrol").replace("PAPER", "sun2019")
     named = re.findall(r"`([\w/]+(?:/|\.py|_bound))`", page)
     files = {f"{file}.py" if file.endswith("_bound") else file.rstrip("/") for file in named}

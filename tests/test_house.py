@@ -1,4 +1,4 @@
-"""The house's order, read from the source: no circles, nothing imported upwards, papers apart."""
+"""The house's order, read from the source: no circles, nothing imported upwards, the published method apart."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MODULES = {module_name(file): file for file in FILES}
 
 
 def imported_modules(module: str) -> set[str]:
-    """The modules of rota that a module imports, with the names that it takes from them left out."""
+    """The modules of the house that a module imports, with the names that it takes from them left out."""
     named = imports_of(MODULES[module])
     return {name for name in named if name in MODULES and name != module and not _is_package_of(name, named)}
 
@@ -133,22 +133,16 @@ def test_planner_branches_are_seen() -> None:
 
 
 def test_no_planner_is_asked_for_outside_its_house() -> None:
-    others = [module for module in MODULES if not within(module, "rota.planners") and not within(module, "rota.papers")]
+    others = [module for module in MODULES if within(module, "rota") and not within(module, "rota.planners")]
     branches = {module: lines for module in others if (lines := planner_branches(MODULES[module].read_text()))}
     assert branches == {}
     importing = [m for m in others if any(within(name, "rota.planners") for name in imported_modules(m))]
     assert importing == ["rota"]  # the public names of the settings
 
 
-def test_papers_are_imported_by_the_command_only() -> None:
-    others = [module for module in MODULES if not within(module, "rota.papers")]
-    theirs = [module for module in others if any(within(name, "rota.papers") for name in imported_modules(module))]
-    assert theirs == ["rota.command.study"]
-
-
 def test_the_published_method_is_loaded_by_its_name_only() -> None:
     own = f"{PATROL}.methods.sun2019"
-    others = [module for module in MODULES if not within(module, own) and not within(module, "rota.papers")]
+    others = [module for module in MODULES if within(module, "rota") and not within(module, own)]
     theirs = [module for module in others if any(within(name, own) for name in imported_modules(module))]
     assert theirs == []
 
@@ -174,7 +168,8 @@ def test_modules_and_functions_stay_short() -> None:
 
 def test_test_modules_have_names_of_their_own() -> None:
     # pytest takes two modules of one name for one, and collects neither when both are asked for
-    names = [file.name for file in Path(__file__).parent.rglob("test_*.py")]
+    tests = Path(__file__).parent
+    names = [file.name for folder in (tests, tests.parent / "studies") for file in folder.rglob("test_*.py")]
     assert {name for name in names if names.count(name) > 1} == set()
 
 

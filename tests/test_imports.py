@@ -12,13 +12,15 @@ from pathlib import Path
 import pytest
 
 import rota
+import rota_studies
 
-SOURCE = Path(rota.__file__).parent
-FILES = sorted(SOURCE.rglob("*.py"))
+SOURCE, STUDIES = Path(rota.__file__).parent, Path(rota_studies.__file__).parent
+FILES = [*sorted(SOURCE.rglob("*.py")), *sorted(STUDIES.rglob("*.py"))]
 
 
 def module_name(file: Path) -> str:
-    parts = ["rota", *file.relative_to(SOURCE).with_suffix("").parts]
+    home = SOURCE if file.is_relative_to(SOURCE) else STUDIES
+    parts = file.relative_to(home.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
@@ -52,7 +54,7 @@ def within(module: str, package: str) -> bool:
 
 
 def importers(package: str) -> set[str]:
-    """Modules of rota that import the package or anything below it."""
+    """Modules of rota and of the studies that import the package or anything below it."""
     return {module_name(file) for file in FILES if any(within(name, package) for name in imports_of(file))}
 
 
@@ -81,7 +83,8 @@ def test_check_imports_mission_plan_errors_and_third_parties_only() -> None:
 
 
 def test_only_draw_imports_matplotlib() -> None:
-    assert [name for name in importers("matplotlib") if not within(name, "rota.draw")] == []
+    drawing = ("rota.draw", "rota_studies.panels", "rota_studies.progress_picture")
+    assert [name for name in importers("matplotlib") if not any(within(name, room) for room in drawing)] == []
 
 
 def test_planners_import_neither_each_other_nor_check() -> None:
@@ -129,8 +132,12 @@ def test_nothing_knows_what_stands_to_its_right() -> None:
 
 def test_nothing_imports_the_command_line_and_only_it_talks_to_terminals() -> None:
     assert importers("rota.command.cli") == {"rota.__main__"}
-    assert all(name.startswith("rota.command.") for name in importers("typer"))
-    assert importers("rota.command.study") == {"rota.command.cli"}
+    assert all(name.startswith(("rota.command.", "rota_studies.command")) for name in importers("typer"))
+    assert importers("rota_studies.command") == set()
+
+
+def test_the_product_does_not_know_its_studies() -> None:
+    assert [name for name in importers("rota_studies") if not within(name, "rota_studies")] == []
     assert importers("rich") == {"rota.command.plan", "rota.command.terminal", "rota.command.watch_table"}
 
 

@@ -82,12 +82,12 @@ merry_go_round: {way: right, radius_m: 3}
 """
 
 
-def install(site: Path, name: str, entries: str) -> None:
-    """The metadata of a distribution that offers planners, beside its modules."""
+def install(site: Path, name: str, entries: str, group: str = "rota.planners") -> None:
+    """The metadata of a distribution that offers planners or commands, beside its modules."""
     info = site / f"{name}-1.0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(f"[rota.planners]\n{entries}")
+    (info / "entry_points.txt").write_text(f"[{group}]\n{entries}")
 
 
 @pytest.fixture

@@ -30,11 +30,11 @@ from rota.command.link_option import LINKS_LIST
 from rota.command.other_mission import plan_for_mission
 from rota.command.page import page
 from rota.command.plan import plan_and_write
+from rota.command.registry import Commands
 from rota.command.ros2 import ros2
 from rota.command.serve import serve
 from rota.command.start import new, schema
 from rota.command.straighten import straighten
-from rota.command.study import app as study_app
 from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.sweep import sweep
 from rota.command.terminal import mention_compiling, reading_ahead, say
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from rota.model.plan import Plan
 
 app = typer.Typer(
+    cls=Commands,
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
     epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C,"
     " 143 SIGTERM, 129 SIGHUP.",
@@ -58,7 +59,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.add_typer(study_app, name="study")
 
 
 def run(arguments: list[str]) -> int:

@@ -4,7 +4,6 @@ from rota.draw.cells_picture import draw_cells
 from rota.draw.comparison_picture import Panel, draw_comparison
 from rota.draw.plan_film import animate_plan
 from rota.draw.plan_picture import draw_gaps, draw_plan, draw_routes
-from rota.draw.progress_picture import draw_progress
 from rota.draw.sweep_picture import draw_sweep
 
 __all__ = [
@@ -14,7 +13,6 @@ __all__ = [
     "draw_comparison",
     "draw_gaps",
     "draw_plan",
-    "draw_progress",
     "draw_routes",
     "draw_sweep",
 ]

@@ -17,12 +17,11 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
-from rota.papers.sun2019.printed_settings import AS_PRINTED, TABLE_7
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4
 from rota.planners.patrol.methods.sun2019.settings import settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings, Sun2019
+from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings
 from rota.sweep.cells import combinations
 
 ROOT = Path(__file__).parents[3]
@@ -93,13 +92,6 @@ def test_a_sweep_over_alpha_shows_that_fewer_crossings_take_fewer_robots() -> No
             found[settings.tour.alpha_m] = framed.parts[0].frame.zone_crossings, robots
     assert list(found) == [10_000, 0]
     assert all(few < many for few, many in zip(*found.values(), strict=True))
-
-
-def test_the_paper_s_tables_are_settings_of_missions() -> None:
-    assert settings_for(PatrolSettings(method="sun2019", sun2019=AS_PRINTED)).deployments[0].sensors_max == 160
-    assert (
-        settings_for(PatrolSettings(sun2019=Sun2019(deployment="ccpso2", sensors=TABLE_7))).deployments[0].swarms == 40
-    )
 
 
 def rows_of(block: type[Settings], place: str) -> list[str]:

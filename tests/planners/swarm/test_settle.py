@@ -17,7 +17,6 @@ from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
-from rota.papers.chen2018.maps import square
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, beginning_of, make_swarm, run_mission
@@ -135,11 +134,16 @@ def test_heaps_in_corners_open_and_rest_for_ever(late: bool) -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_49_robots_rest_whose_rows_buckle_slowly(seed: int) -> None:
     """Without friction such rows move on for thousands of steps, and cover 0.1 % of the area more at most."""
-    run = run_mission(square(49, "between"), seed=seed)
+    fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25), body_radius_m=0.5)
+    robots = tuple(fleet.equal_robot(f"robot-{k}") for k in range(49))
+    start = StartBox(low_m=(70, 70), high_m=(140, 140))
+    area = MultiPolygon([box(0, 0, 350, 350)])
+    asked = Mission(name="49", area=area, fleet=replace(fleet, robots=robots, start=start), planning=SwarmSettings())
+    run = run_mission(asked, seed=seed)
     places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
     assert run.at_rest
     assert run.steps < 2000
-    assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.783
+    assert covered_share(places, np.full(49, 25.0), area) > 0.783
 
 
 @pytest.mark.parametrize("side_m", [10.0, 15.0])

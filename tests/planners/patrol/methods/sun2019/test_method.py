@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.missions import EXAMPLES
 from shapely import LinearRing, LineString, MultiPolygon, box
 
 import rota
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
+from rota.files.mission_file import read_mission
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
-from rota.papers.sun2019 import figure_13
-from rota.papers.sun2019.printed_settings import AS_PRINTED
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
@@ -28,9 +28,10 @@ from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.sun2019_settings import Sun2019
+from rota.planners.patrol.sun2019_settings import SensorSettings, Sun2019
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
+FIGURE_13 = read_mission(EXAMPLES / "sun2019-fig13.yaml").mission
 YARD = Mission(
     name="yard",
     area=MultiPolygon([box(0, 0, 60, 40)]),
@@ -67,7 +68,7 @@ def context_of(mission: Mission) -> Context:
 
 @pytest.mark.slow  # the longest search of this method
 def test_figure_13_takes_no_more_robots_than_the_paper() -> None:
-    plan = planned(replace(figure_13(), planning=QUICK))
+    plan = planned(replace(FIGURE_13, planning=QUICK))
     assert len(plan.trajectories) <= 5  # Table 5
     for one in plan:
         for obstacle in plan.mission.obstacles:
@@ -75,7 +76,7 @@ def test_figure_13_takes_no_more_robots_than_the_paper() -> None:
 
 
 def test_deployment_frame_partition_and_routes_follow_from_each_other() -> None:
-    mission = figure_13()
+    mission = FIGURE_13
     space, robot = standing_space(mission, 0.0), common_robot(mission.fleet)
     paths, settings = ShortestPaths(space), MethodSettings()
     framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)
@@ -131,7 +132,8 @@ def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
     settings = settings_for(replace(QUICK, sun2019=asked))
     assert settings.deployments == (replace(TABLE_2, sensors_max=None),)
     assert (settings.tour, settings.partition) == (TABLE_3, TABLE_4)
-    printed = settings_for(replace(QUICK, sun2019=AS_PRINTED))
+    as_printed = replace(asked, sensors=SensorSettings(sensors_max=160))
+    printed = settings_for(replace(QUICK, sun2019=as_printed))
     assert printed == replace(settings, deployments=(TABLE_2,), route=RouteSettings(routes="printed"))
 
 
@@ -236,7 +238,7 @@ def test_settings_that_are_not_allowed(wrong: dict[str, object], told: str) -> N
 
 
 def test_lengths_measured_on_routes_move_the_cuts() -> None:
-    mission = figure_13()
+    mission = FIGURE_13
     robot, settings = common_robot(mission.fleet), MethodSettings()
     paths = ShortestPaths(standing_space(mission, 0.0))
     framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)

@@ -12,7 +12,6 @@ from shapely import box
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.papers.sun2019 import paper
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
@@ -133,29 +132,3 @@ def test_lengths_that_cannot_be_are_refused() -> None:
     for wrong in (np.ones((2, 3)), np.zeros((2, 2)), np.full((2, 2), np.nan)):
         with pytest.raises(ValueError, match=r"route_lengths_m: .*must be \(2, 2\) finite numbers"):
             partition_frame(np.ones(2), np.ones(2), speed_m_s=1, sensor_radius_m=1, route_lengths_m=wrong)
-
-
-def test_the_papers_plans_bound_the_weight_of_what_is_late() -> None:
-    margin_s, robot, early, around_s = 0.5, 1000.0, 100.0, 2 * np.pi * 5 / 20
-
-    def spare(routes: list[paper.PaperRoute]) -> list[float]:
-        return [route.period_s - margin_s - route.time_s for route in routes]
-
-    # Case 6: what is late, and what plans with one or two routes more and nothing late cost at most beyond it
-    case_6 = spare(list(paper.TABLE_6[5].routes))
-    late_s = -sum(min(0.0, spare_s) for spare_s in case_6)
-    assert late_s == pytest.approx(5.76)
-    one, two = (k * robot + early * (k * (10 - margin_s - around_s) - late_s) for k in (1, 2))
-    assert [round(one / late_s), round(two / late_s)] == [211, 523]
-
-    def merged(routes: list[paper.PaperRoute]) -> float:
-        """The weight from which on two routes are cheaper than one that has their ends but once."""
-        saved = robot + early * sum(spare(routes))
-        late_s = sum(route.time_s for route in routes) - around_s + margin_s - routes[0].period_s
-        return saved / late_s
-
-    zone_1 = [route for route in paper.TABLE_5.routes if route.period_s == 8]
-    zone_2 = [route for route in paper.TABLE_6[2].routes if route.zone == 2]
-    assert round(merged(zone_1)) == 227
-    assert round(min(merged(list(pair)) for pair in itertools.combinations(zone_2, 2))) == 261
-    assert 362 < PartitionSettings().weight_late < 523

@@ -8,13 +8,14 @@ import math
 import numpy as np
 import pytest
 import shapely
+from benchmarks.missions import EXAMPLES
 from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, box
 
 from rota.errors import MissionError, NoPlanFound
+from rota.files.mission_file import read_mission
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.papers.sun2019 import figure_13
 from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.methods.sun2019.tour import Frame, canonical_order, find_frame
 
@@ -25,7 +26,7 @@ OPEN = ShortestPaths(MultiPolygon([box(-100, -100, 100, 100)]))
 
 def over_figure_13() -> tuple[Floats, Ints, ShortestPaths]:
     """A hexagonal lattice of sensors 12 m apart over the free space of Figure 13, zones 1 and 2 and the rest."""
-    mission = figure_13()
+    mission = read_mission(EXAMPLES / "sun2019-fig13.yaml").mission
     space = standing_space(mission, 0.0)
     rows = np.arange(5, 120, 6 * 3**0.5)
     lattice = np.array([(5 + 6.0 * (j % 2) + 12 * i, y) for j, y in enumerate(rows) for i in range(10)])
