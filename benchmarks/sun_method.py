@@ -19,8 +19,8 @@ from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.model.mission import Mission
 from rota.model.plan import Plan
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.planner_settings import Effort
-from rota.planners.patrol.sun2019_settings import Sun2019
 from rota.planning.make_plan import make_plan
 from rota_studies.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 
@@ -77,7 +77,7 @@ def sun_method(options: Options) -> Iterator[Row]:
 
 def tried(mission: Mission, stages: Sun2019, effort: Effort) -> Tried:
     """Plan the mission by the method with these stages."""
-    planning = replace(mission.planning, effort=effort, method="sun2019", sun2019=stages)
+    planning = replace(mission.planning, effort=effort, method="sun2019", method_settings=stages)
     began_s = time.process_time()
     try:
         plan = make_plan(replace(mission, planning=planning))

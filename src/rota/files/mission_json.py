@@ -105,7 +105,7 @@ def _settings_to_json(block: Settings) -> Json:
     """A block of settings, without what is spared; lists in place of tuples, as reading gives them."""
     told: Json = {}
     for item in settings_of(type(block)):
-        value = getattr(block, item.name)
+        value = block.value_of(item.name)
         if item.block is None:
             told[item.name] = (list(value) or item.word) if isinstance(value, tuple) else value
         elif not item.spared or value != item.block():
@@ -238,7 +238,7 @@ def _importance(fields: ImportanceMapFields | float | None) -> ImportanceMap | f
 def _planning(fields: MissionFields) -> PlannerSettings:
     """The chosen planner's settings."""
     with named_field("mission"):
-        return planner_named(fields.planner).settings(**fields.settings)
+        return planner_named(fields.planner).settings.written(fields.settings, None)
 
 
 def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:

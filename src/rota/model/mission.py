@@ -248,16 +248,17 @@ class Mission:
 
     def with_effort(self, effort: str) -> Mission:
         """The same mission, planned with another effort; MissionError for a planner that has none."""
-        return self._with_setting("effort", effort)
+        self._require_setting("effort", effort)
+        return replace(self, planning=replace(self.planning, **{"effort": effort}))
 
     def with_method(self, method: str) -> Mission:
         """The same mission, planned by another method of its planner; MissionError for a planner that has none."""
-        return self._with_setting("method", method)
+        self._require_setting("method", method)
+        return replace(self, planning=self.planning.with_method(method))
 
-    def _with_setting(self, name: str, value: str) -> Mission:
+    def _require_setting(self, name: str, value: str) -> None:
         known = any(item.name == name for item in settings_of(type(self.planning)))
         require(known, name, value, f"the {self.planning.planner} planner has no {name}: leave it out")
-        return replace(self, planning=replace(self.planning, **{name: value}))
 
 
 def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -149,7 +149,7 @@ class Settings:
     def __post_init__(self) -> None:
         values: dict[str, Any] = {}
         for item in settings_of(type(self)):
-            value = getattr(self, item.name)
+            value = self.value_of(item.name)
             for where, part, fault in item.faults(value):
                 message = refusal(fault.kind, part, fault.given, fault.given.get("message", ""))
                 raise MissionError(f"{self.place}.{path_of((item.name, *where))}: {message}")
@@ -174,6 +174,20 @@ class Settings:
         """Values that a mission file gives although others make them useless; likewise."""
         yield from ()
 
+    @classmethod
+    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+        """What such settings cannot use of a mission as a file has it, faults and all: the place, what is wrong."""
+        yield from ()
+
+    @classmethod
+    def method_blocks(cls) -> Mapping[str, type[Settings]]:
+        """The settings that methods have of their own, by the methods' names, which their blocks in files have too."""
+        return {}
+
+    def value_of(self, name: str) -> Any:
+        """A value by its name in files."""
+        return getattr(self, name)
+
 
 _DECLARED: dict[type[Settings], tuple[Setting, ...]] = {}  # types of dataclasses are no keys of a cache to mypy
 
@@ -186,8 +200,14 @@ def settings_of(block: type[Settings]) -> tuple[Setting, ...]:
 
 
 def _settings_of(block: type[Settings]) -> tuple[Setting, ...]:
+    """The fields that are declared by ``setting``, then the blocks of methods."""
     hints = get_type_hints(block)
-    return tuple(_declared(declared, hints[declared.name]) for declared in dataclasses.fields(block))
+    blocks = [
+        Setting(name=name, kind="block", block=of_method, default=None, meaning="", optional=False, newer=True)
+        for name, of_method in block.method_blocks().items()
+    ]
+    own = (_declared(each, hints[each.name]) for each in dataclasses.fields(block) if each.metadata)
+    return *own, *blocks
 
 
 def _declared(declared: dataclasses.Field[Any], hint: Any) -> Setting:
@@ -292,16 +312,12 @@ class PlannerSettings(Settings):
 
     @classmethod
     def written(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
-        """The settings that a mission file gives; typed_cell_m: side of a cell of the area's text map, if any."""
+        """The settings that a file gives; typed_cell_m: side of a cell of the area's text map, if any."""
         return cls(**values)
 
-    @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-        """What of a mission the planner cannot use: the place in a mission file, and what is wrong there.
-
-        data: the mission as a file has it, its settings among it; perhaps with faults of its own.
-        """
-        yield from ()
+    def with_method(self, method: str) -> Self:
+        """The same settings for another method of a planner that has several."""
+        return dataclasses.replace(self, **{"method": method})
 
     @property
     def asks_periods(self) -> bool:

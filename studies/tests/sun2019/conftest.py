@@ -12,8 +12,8 @@ from rota.check import check_plan
 from rota.compare import MethodOutcome
 from rota.model.mission import Mission
 from rota.model.plan import Plan
+from rota.planners.patrol.methods.sun2019.mission_settings import FrameSettings, SegmentSettings, SensorSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings
 from rota_studies.sun2019.kept import found_of
 from rota_studies.sun2019.printed_settings import AS_PRINTED
 from rota_studies.sun2019.results import Found, Printed

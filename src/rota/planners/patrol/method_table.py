@@ -12,3 +12,6 @@ METHODS = {
     "decomposition": "rota.planners.patrol.methods.sweeping.search:sweep_decomposed",
     "sun2019": "rota.planners.patrol.methods.sun2019.search:fewest_robots_by_stages",
 }
+
+# the settings that a method has of its own: a block with its name below those of patrol, in mission and plan files
+METHOD_SETTINGS = {"sun2019": "rota.planners.patrol.methods.sun2019.mission_settings:Sun2019"}

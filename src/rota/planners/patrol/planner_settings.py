@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, setting
+from rota.errors import MissionError
+from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
 from rota.model.refusals import Where, fleet_blocks, inner, robot_count, shown
-from rota.planners.patrol.method_table import METHODS
-from rota.planners.patrol.sun2019_settings import Sun2019
+from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
 from rota.vehicles.presets import VEHICLES
 
 Effort = Literal["quick", "normal", "high"]
@@ -30,7 +31,8 @@ class PatrolSettings(PlannerSettings):
 
     ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
     "sequential" scanning, area "decomposition"; or "sun2019", the paper's stages, by default each done by an algorithm
-    of ours; ``sun2019`` chooses the paper's. A reserve against wind and poor localisation: the plan keeps periods
+    of ours. ``method_settings``: those that the method has of its own (``method_table``), in files a block with its
+    name; None: its defaults, if it has any. A reserve against wind and poor localisation: the plan keeps periods
     shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
     ``range_margin_m``. ``prefer``: what the slack of the periods is spent on where the robots are "fewest" and the
     method is "tours".
@@ -50,14 +52,47 @@ class PatrolSettings(PlannerSettings):
     prefer: Preference = setting(
         "shortest", "of plans with as few robots: the shortest loops or those that turn least", newer=True
     )
-    sun2019: Sun2019 = setting(Sun2019, newer=True)
+    method_settings: Settings | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        block, given = self.method_blocks().get(self.method), self.method_settings
+        if block is not None and given is None:
+            object.__setattr__(self, "method_settings", block())
+        elif given is not None and (block is None or not isinstance(given, block)):
+            raise MissionError(f"patrol.method_settings: {type(given).__name__} is not of method {self.method}")
+
+    @classmethod
+    def method_blocks(cls) -> Mapping[str, type[Settings]]:
+        """Loaded by the names in the table of methods."""
+        places = {method: where.split(":") for method, where in METHOD_SETTINGS.items()}
+        return {method: getattr(import_module(module), block) for method, (module, block) in places.items()}
+
+    @classmethod
+    def written(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
+        """The settings that a file gives, without blocks of other methods, which plan files have."""
+        blocks, method = cls.method_blocks(), values.get("method", cls.method)
+        own = {name: value for name, value in values.items() if name not in blocks}
+        return cls(**own, method_settings=values.get(method) if method in blocks else None)
+
+    def value_of(self, name: str) -> Any:
+        """A value by its name in files: plan files have the block of every method, as they had from the beginning."""
+        blocks = self.method_blocks()
+        if name not in blocks:
+            return getattr(self, name)
+        return self.method_settings if name == self.method else blocks[name]()
+
+    def with_method(self, method: str) -> Self:
+        """The same settings for another method, without what is of this method alone."""
+        return self if method == self.method else replace(self, method=method, method_settings=None)
 
     @classmethod
     def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings of another method."""
         method = values.get("method", "tours")
-        if values.get("sun2019") is not None and method != "sun2019":
-            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
+        for other in METHOD_SETTINGS:
+            if values.get(other) is not None and method != other:
+                yield (other,), f"settings of another method; method is {method}: remove this block"
 
     @classmethod
     def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -66,9 +101,9 @@ class PatrolSettings(PlannerSettings):
         if count is not None and count > MOST_PATROLLING:
             message = f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"
             yield ("fleet", "robots"), message
-        if inner(data, "patrol", "method") == "sun2019" and inner(data, "fleet", "sensor", "shape") == "square":
-            message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
-            yield ("fleet", "sensor", "shape"), message
+        for method, block in cls.method_blocks().items():
+            if inner(data, "patrol", "method") == method:
+                yield from block.refused(data)
         yield from _ways_to_turn(data)
         yield from _starts_of_autopilots(data)
         yield from _too_much_reserve(data)

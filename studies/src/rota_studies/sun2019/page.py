@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
-from rota.planners.patrol.sun2019_settings import LEAST_WEIGHT, MOST_WEIGHT
+from rota.planners.patrol.methods.sun2019.mission_settings import LEAST_WEIGHT, MOST_WEIGHT
 from rota_studies.page import claims, listed, made_from
 from rota_studies.section import Section
 from rota_studies.sun2019 import paper

@@ -11,8 +11,8 @@ import numpy as np
 from rota.model.mission import Mission
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
+from rota.planners.patrol.methods.sun2019.mission_settings import LEAST_WEIGHT, MOST_WEIGHT
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.sun2019_settings import LEAST_WEIGHT, MOST_WEIGHT
 from rota_studies.sun2019 import paper
 from rota_studies.sun2019.cases import with_late, with_late_spread
 from rota_studies.sun2019.panels import zone_title

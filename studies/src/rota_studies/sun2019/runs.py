@@ -22,6 +22,7 @@ from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_senso
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.graph import proximity_graph
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
@@ -35,7 +36,6 @@ from rota.planners.patrol.methods.sun2019.stages import (
 )
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
 from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
-from rota.planners.patrol.sun2019_settings import Sun2019
 from rota.planners.patrol.verdict import unmet_reason
 from rota_studies.plain import changes
 from rota_studies.records import mission_digest, what

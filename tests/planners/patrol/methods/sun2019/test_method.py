@@ -22,13 +22,13 @@ from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.mission_settings import SensorSettings, Sun2019
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.sun2019_settings import SensorSettings, Sun2019
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
 FIGURE_13 = read_mission(EXAMPLES / "sun2019-fig13.yaml").mission
@@ -56,7 +56,7 @@ def planned(mission: Mission, seed: int = 0) -> rota.Plan:
 
 
 def with_stages(mission: Mission, **stages: str) -> Mission:
-    return replace(mission, planning=replace(mission.planning, sun2019=Sun2019(**stages)))
+    return replace(mission, planning=replace(mission.planning, method_settings=Sun2019(**stages)))
 
 
 def context_of(mission: Mission) -> Context:
@@ -129,11 +129,11 @@ def test_swarms_may_cut_the_frame() -> None:
 
 def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
     asked = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="printed")
-    settings = settings_for(replace(QUICK, sun2019=asked))
+    settings = settings_for(replace(QUICK, method_settings=asked))
     assert settings.deployments == (replace(TABLE_2, sensors_max=None),)
     assert (settings.tour, settings.partition) == (TABLE_3, TABLE_4)
     as_printed = replace(asked, sensors=SensorSettings(sensors_max=160))
-    printed = settings_for(replace(QUICK, sun2019=as_printed))
+    printed = settings_for(replace(QUICK, method_settings=as_printed))
     assert printed == replace(settings, deployments=(TABLE_2,), route=RouteSettings(routes="printed"))
 
 
@@ -148,11 +148,9 @@ patrol: {effort: quick, method: sun2019, sun2019: {deployment: exact, routes: re
 """
     (tmp_path / "yard.yaml").write_text(text)
     mission = rota.read_mission(tmp_path / "yard.yaml").mission
-    assert PatrolSettings.of(mission).sun2019 == Sun2019(deployment="exact", routes="repaired")
-    assert (PatrolSettings.of(mission).sun2019.tour, PatrolSettings.of(mission).sun2019.partition) == (
-        "local_search",
-        "exact",
-    )
+    stages = PatrolSettings.of(mission).method_settings
+    assert stages == Sun2019(deployment="exact", routes="repaired")
+    assert (stages.tour, stages.partition) == ("local_search", "exact")
     plan = planned(mission)
     rota.write_plan(plan, tmp_path / "yard.rota.json")
     assert rota.read_plan(tmp_path / "yard.rota.json") == plan

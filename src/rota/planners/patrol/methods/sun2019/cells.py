@@ -15,8 +15,8 @@ from rota.geometry import kernels as geometry_kernels
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.planners.patrol.methods.sun2019 import sight_kernels
+from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
-from rota.planners.patrol.sun2019_settings import BorderCells
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from rota.model.planner_settings import setting
-from rota.planners.patrol.sun2019_settings import SensorSettings
+from rota.planners.patrol.methods.sun2019.mission_settings import SensorSettings
 
 DeployMethod = Literal["ccpso2", "greedy", "exact"]
 

@@ -6,7 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rota.model.planner_settings import setting
-from rota.planners.patrol.sun2019_settings import FramePartition, FrameSettings, FrameTour, SegmentSettings
+from rota.planners.patrol.methods.sun2019.mission_settings import (
+    FramePartition,
+    FrameSettings,
+    FrameTour,
+    SegmentSettings,
+)
 
 TooFew = Literal["least_late", "even"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from rota.model.planner_settings import Settings, setting
-from rota.planners.patrol.sun2019_settings import SegmentRoutes
+from rota.planners.patrol.methods.sun2019.mission_settings import SegmentRoutes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from rota.errors import MissionError
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeployMethod, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
-from rota.planners.patrol.sun2019_settings import Sun2019
 
 EVEN = PartitionSettings(too_few="even")
 """Our partition: exact; where robots are too few by Eq. 26, all routes are too long alike, for repair to shorten."""
@@ -46,8 +46,9 @@ REPAIRS: dict[Effort, int] = {"quick": 12, "normal": 20, "high": 30}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
-    """The settings that a mission asks for, with as much work as its effort allows."""
-    return stage_settings(planning.sun2019, planning.effort)
+    """The settings that a mission asks for, with as much work as its effort allows; of another method the defaults."""
+    stages = planning.method_settings
+    return stage_settings(stages if isinstance(stages, Sun2019) else Sun2019(), planning.effort)
 
 
 def stage_settings(stages: Sun2019, effort: Effort) -> MethodSettings:

@@ -24,7 +24,7 @@ from rota.planners.patrol.methods.sun2019.graph import (
     shortest_sequence,
 )
 from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour
-from rota.planners.patrol.sun2019_settings import AStarWeights
+from rota.planners.patrol.methods.sun2019.mission_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -25,8 +25,8 @@ from rota.planners.patrol.methods.sun2019.cells import (
     ground_for,
     lattice_over,
 )
+from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
-from rota.planners.patrol.sun2019_settings import BorderCells
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 from rota.model.planner_settings import LENGTH, LENGTH_OR_ZERO, Settings, setting, settings_of
-from rota.model.refusals import Where, shown
+from rota.model.refusals import Where, inner, shown
 
 DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 FrameTour = Literal["local_search", "genetic"]
@@ -247,6 +247,13 @@ class Sun2019(Settings):
     sensors: SensorSettings = setting(SensorSettings, "Algorithm 1: Table 2, Eqs. 2 to 11", newer=True, spared=True)
     frame: FrameSettings = setting(FrameSettings, "Algorithm 2: Table 3, Eqs. 12 to 19", newer=True, spared=True)
     segments: SegmentSettings = setting(SegmentSettings, "Algorithm 3: Table 4, Eqs. 20 to 28", newer=True, spared=True)
+
+    @classmethod
+    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Sensors that are squares."""
+        if inner(data, "fleet", "sensor", "shape") == "square":
+            message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
+            yield ("fleet", "sensor", "shape"), message
 
     @classmethod
     def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rota.errors import MissionError
+from rota.errors import MissionError, PlanError
 from rota.files.mission_file import read_mission
 from rota.files.mission_json import mission_to_json
 from rota.files.plan_file import plan_from_json, plan_to_json
@@ -18,13 +18,18 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4
+from rota.planners.patrol.methods.sun2019.mission_settings import (
+    FrameSettings,
+    SegmentSettings,
+    SensorSettings,
+    Sun2019,
+)
 from rota.planners.patrol.methods.sun2019.settings import settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings
 from rota.sweep.cells import combinations
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[5]
 FIELD = """\
 rota: 1
 name: field
@@ -66,6 +71,32 @@ def test_a_plan_file_keeps_stage_settings_and_lacks_those_at_their_defaults(tmp_
     assert plan_from_json(document).mission.planning == mission.planning
     plain = mission_to_json(mission_of(tmp_path, FIELD))["patrol"]["sun2019"]
     assert plain == {"deployment": "best", "tour": "local_search", "partition": "exact", "routes": "shortened"}
+
+
+def test_settings_of_a_method_are_there_where_it_is_chosen(tmp_path: Path) -> None:
+    asked = mission_of(tmp_path, FIELD + STAGES)
+    tours = asked.with_method("tours")
+    assert tours.planning == mission_of(tmp_path, FIELD).planning
+    assert PatrolSettings().method_settings is None
+    assert asked.with_method("sun2019") == asked
+    assert tours.with_method("sun2019").planning == PatrolSettings(method="sun2019", method_settings=Sun2019())
+    for method, told in (("tours", "Sun2019 is not of method tours"), ("sun2019", "SensorSettings is not of method")):
+        given = Sun2019() if method == "tours" else SensorSettings()
+        with pytest.raises(MissionError, match=rf"patrol\.method_settings: {told}"):
+            PatrolSettings(method=method, method_settings=given)
+
+
+def test_plan_files_of_other_methods_with_stage_settings_are_read(tmp_path: Path) -> None:
+    """Comparing a mission with stage settings wrote such plans, and no plan file's first version lacks the block."""
+    mission = mission_of(tmp_path, FIELD)
+    stay = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[[5.0, 5.0]])
+    document = plan_to_json(Plan(mission=mission, trajectories=(stay,)))
+    document["mission"]["patrol"]["sun2019"]["partition"] = "pso"
+    del document["mission_sha256"]
+    assert plan_from_json(document).mission == mission
+    document["mission"]["patrol"]["sun2019"]["partition"] = "even"
+    with pytest.raises(PlanError, match=r'patrol\.sun2019\.partition: "even" is not allowed; exact or pso is needed'):
+        plan_from_json(document)
 
 
 def test_contradictions_are_refused_in_python_as_in_files() -> None:
