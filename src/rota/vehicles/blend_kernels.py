@@ -23,6 +23,7 @@ from rota.vehicles.scurve_kernels import (
 ANGLES, LENGTHS = 33, 64  # rows and columns of a table of corners
 SMALLEST_TURN = 1e-5  # the first row's
 SAME_M_S = 1e-9  # speeds that differ by less are one
+SLIVER = 0.2  # of a chord's time: what lasts no longer joins the leg before, or its windows would have no room
 
 
 @kernel
@@ -114,10 +115,7 @@ def sampled_round(vertices_m, speed_m_s, round_s, chord_s, straight_s, limits, l
     around[0], around[1:] = points[n - 1], points
     times = blends_of(vertices_m, speed_m_s, limits, lag_s3_m2, shape)
     blends = times[:n, 1]
-    most = 4
-    for k in range(n):
-        most += int(legs[k, WHOLE] / min(chord_s, straight_s)) + 8
-    rows = np.zeros((most, 5))
+    rows = np.zeros((4 + 8 * n + int(legs[:, WHOLE].sum() / min(chord_s, straight_s)), 5))
     count, last_speed = 0, 0.0
     for k in range(n):
         begins_s, next_s = times[k, 0], times[k + 1, 0]
@@ -126,8 +124,11 @@ def sampled_round(vertices_m, speed_m_s, round_s, chord_s, straight_s, limits, l
         px, py = (around[k + 1, :2] - around[k, :2]) / before[LENGTH]
         for part in range(2):  # while the leg before goes on, and alone
             lasts_s = blends[k] if part == 0 else next_s - begins_s - blends[k]
+            sliver = lasts_s < SLIVER * chord_s
             if lasts_s <= 1e-9:
                 continue
+            if sliver and count > 1:
+                count -= 1  # its end takes the place of the row before
             pieces = max(1, math.ceil(lasts_s / (chord_s if part == 0 else straight_s) - 1e-9))
             first_s = 0.0 if part == 0 else blends[k]
             for c in range(pieces + 1):
@@ -136,12 +137,14 @@ def sampled_round(vertices_m, speed_m_s, round_s, chord_s, straight_s, limits, l
                 left_m = along(blends[k] - at_s, before)[0] if part == 0 else 0.0
                 x = points[k, 0] + ux * done_m - px * left_m
                 y = points[k, 1] + uy * done_m - py * left_m
-                if c == 0 and count > 0:
+                if (c == 0 or (sliver and count == 1)) and count > 0:
                     last_speed = speed
                     continue
                 rows[count, 0], rows[count, 1], rows[count, 2] = begins_s + at_s, x, y
                 rows[count, 4] = k if part == 1 or 2 * c > pieces else (k - 1) % n
-                if part == 1 and count > 0:
+                if part == 1 and sliver:
+                    rows[count, 3] = 0.0
+                elif part == 1 and count > 0:
                     steady = abs(speed - last_speed) < SAME_M_S and c > 1 and rows[count - 1, 3] == 0.0
                     if steady and speed > 0.999 * (legs[k, ACCELERATION] * (legs[k, RISE] + legs[k, STEADY])):
                         count -= 1  # one leg for all of the way at full speed

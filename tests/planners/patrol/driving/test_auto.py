@@ -95,3 +95,17 @@ def test_the_route_is_the_corners_in_turn_after_one_wait() -> None:
     assert route.approach[0].hold_s == begun.waypoints.times_s[0]  # type: ignore[union-attr]
     assert {stop.speed_m_s for stop in route.every_round} == {8.0}
     assert sum(stop.planned_s or 0.0 for stop in route.every_round) == pytest.approx(begun.loop_duration_s)
+
+
+@pytest.mark.parametrize("name", ["arducopter", "arducopter-tuned"])
+def test_blends_that_nearly_meet_leave_no_leg_too_short_for_its_windows(name: str) -> None:
+    # legs of nearly the length at which one blend ends as the next begins, as annealed tours have them
+    made, rng = driving(name), np.random.default_rng(2)
+    for leg_m in np.linspace(4, 16, 60):
+        turns = np.cumsum(rng.uniform(-0.5, 0.7, 40))
+        legs_m = leg_m * rng.uniform(0.9, 1.1, (40, 1))
+        ring = np.cumsum(legs_m * np.column_stack([np.cos(turns), np.sin(turns)]), axis=0)
+        for phase_s in (0.0, float(rng.uniform(0, 100))):
+            begun = made.begun_at_a_corner("robot-1", ring, phase_s)
+            assert begun is not None
+            assert acceleration_violations(begun, copter(name)) == []

@@ -158,3 +158,14 @@ def test_a_loop_may_begin_in_the_midst_of_any_leg() -> None:
             hurried = TimedLine(faster.times_s / 1.1, faster.places_m, faster.accelerations_m_s2 * 1.21)
             (begun,) = as_trajectories([hurried], ["r"])
             assert acceleration_violations(begun, one)
+
+
+def test_vertices_that_hardly_turn_take_no_time_from_the_windows_beside_them() -> None:
+    # a bend of a degree, braked for, 5 m after a vertex that turns by 1e-9 to 1e-4 rad
+    one = robot(20.0, corner_m=1.0)
+    for turn in 10.0 ** np.arange(-9, -3):
+        headings = np.cumsum([0.0, turn, 0.02, 0.02, math.pi / 2])
+        ends = np.cumsum(4.8 * np.column_stack([np.cos(headings), np.sin(headings)]), axis=0)
+        line = driving_of(one).timed(np.vstack([[-40.0, 0.0], [0.0, 0.0], ends, [-40.0, 20.0]]))
+        (begun,) = as_trajectories([line], ["r"])
+        assert acceleration_violations(begun, one) == []

@@ -13,12 +13,12 @@ from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCos
 from rota.planners.patrol.driving.polylines import driven_beside, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
-from rota.vehicles.blend_kernels import blends_of, corner_table, from_rest, sampled_round
+from rota.vehicles.blend_kernels import SLIVER, blends_of, corner_table, from_rest, sampled_round
 
 Floats = NDArray[np.float64]
 
 OFF_M = 0.05  # that legs may be off the S-curves, as the check allows for a plan's accelerations
-STRAIGHT_OFF_M = 0.02  # the same along straight ways
+STRAIGHT_OFF_M = 0.005  # the same along straight ways, where an acceleration near the limit leaves jumps no room
 SAME_S = 1e-9
 SHORTEST_START_S = 0.05
 UNHURRIED = 1 + 3e-3  # times as long: what samples of a start are off then exceeds no limit
@@ -83,6 +83,9 @@ class Auto:
         leaves_s = max(float(times[k, 0]) - phase_s, 0.0) if k else line.duration_s - phase_s
         leaves_s = 0.0 if leaves_s > line.duration_s - SAME_S else leaves_s
         blend_s = max(float(times[k, 1]), SHORTEST_START_S)
+        nearest_s = line.times_s[np.argmin(np.abs(line.times_s - times[k, 0] - blend_s))]
+        if abs(nearest_s - times[k, 0] - blend_s) < SLIVER * self._chord_s:
+            blend_s = float(nearest_s - times[k, 0])  # no leg of hardly any length after it
         limits, _, shape = self.model.closed_form
         pieces = START_PIECES * max(1, math.ceil(blend_s / self._chord_s))
         starts = np.asarray(from_rest(corners_m, k, blend_s / slower, pieces, speed, limits, shape))

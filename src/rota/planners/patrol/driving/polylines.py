@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SHORTEST_LEG_M = 1e-6  # shorter legs are left out: they would be timed to fewer digits than the check asks
+STRAIGHT_RAD = 1e-12  # a vertex that turns less is on a straight
 
 
 def turns_rad(vertices_m: Floats) -> Floats:
@@ -72,26 +73,28 @@ def far_enough(points_m: Floats) -> list[int]:
     return keep
 
 
-def thinned(vertices_m: Floats) -> Floats:
-    """The closed polyline as it can be timed, without vertices along straights."""
-    return np.asarray(vertices_m[corners_kept(vertices_m)])
+def thinned(vertices_m: Floats, straight_rad: float = STRAIGHT_RAD) -> Floats:
+    """The closed polyline as it can be timed, without vertices that turn by at most ``straight_rad``."""
+    return np.asarray(vertices_m[corners_kept(vertices_m, straight_rad)])
 
 
-def corners_kept(vertices_m: Floats) -> Ints:
+def corners_kept(vertices_m: Floats, straight_rad: float = STRAIGHT_RAD) -> Ints:
     """The numbers of the vertices that stay when a closed polyline is thinned."""
     kept = timeable_kept(vertices_m)
-    bends = turns_rad(vertices_m[kept]) > 1e-12
+    bends = turns_rad(vertices_m[kept]) > straight_rad
     return kept[bends] if bends.sum() >= 2 else kept
 
 
-def beside_legs(line_m: Floats, leg: Ints, vertices_m: Floats) -> tuple[Floats, Floats]:
+def beside_legs(
+    line_m: Floats, leg: Ints, vertices_m: Floats, straight_rad: float = STRAIGHT_RAD
+) -> tuple[Floats, Floats]:
     """A line (m + 1, 2) cut so that each chord lies beside one leg of a closed polyline (n, 2), and beside what of it.
 
     leg (m,): of the polyline without its vertices along straights, counted from the first that stays. Returns the line
     (k + 1, 2) and, for each of its chords, from where to where it is beside the polyline, (k, 2) in legs. A part of a
     chord before its leg or beyond it counts as beside the leg's end.
     """
-    corners, n = corners_kept(vertices_m), len(vertices_m)
+    corners, n = corners_kept(vertices_m, straight_rad), len(vertices_m)
     first = corners[leg % len(corners)]
     begin_m = vertices_m[first]
     along_m = vertices_m[np.append(corners, corners[0])[leg % len(corners) + 1]] - begin_m
@@ -115,13 +118,15 @@ def beside_legs(line_m: Floats, leg: Ints, vertices_m: Floats) -> tuple[Floats, 
     return np.vstack([cut_m, line_m[-1:]]), np.column_stack([here - turns, np.maximum(here, there) - turns])
 
 
-def driven_beside(vertices_m: Floats, rows_of: Callable[[Floats], Floats]) -> tuple[Floats, Floats]:
+def driven_beside(
+    vertices_m: Floats, rows_of: Callable[[Floats], Floats], straight_rad: float = STRAIGHT_RAD
+) -> tuple[Floats, Floats]:
     """A round past the corners of a closed polyline (n, 2), and beside what of it that is; see ``beside_legs``.
 
     rows_of: of the corners (k, 2), k > 1, the rows (m, 5) of the round: seconds, x, y, acceleration, and the leg.
     """
-    corners_m = thinned(vertices_m)
+    corners_m = thinned(vertices_m, straight_rad)
     if len(corners_m) == 1:
         return corners_m, np.zeros((0, 2))
     rows = rows_of(corners_m)
-    return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m)
+    return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m, straight_rad)

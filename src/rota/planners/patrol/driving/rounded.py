@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 SLOWER, GENTLER = 1 - 1e-6, 1 - 1e-3  # of full speed and of the limits, so that rounding never shows as more
 OFF_M = 0.05  # that the chords of a rounded corner may be off a motion that keeps the limits, see check.acceleration
 SLOWEST_M_S = 1e-3  # slower is at rest
+STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
 BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its legs, one sees as much outwards
 
 
@@ -53,18 +54,18 @@ class Rounded:
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
-        vertices_m = thinned(vertices_m)
+        vertices_m = thinned(vertices_m, STRAIGHT_RAD)
         if len(vertices_m) == 1:
             return 0.0
         return float(kernels.round_s(vertices_m, self.limits)) * self.pace_m_s
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
-        return driven_beside(vertices_m, self._rows)
+        return driven_beside(vertices_m, self._rows, STRAIGHT_RAD)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round as fast as it can be driven; it begins and ends where the rounding of the first corner ends."""
-        vertices_m = thinned(vertices_m)
+        vertices_m = thinned(vertices_m, STRAIGHT_RAD)
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         return _line(self._rows(vertices_m))

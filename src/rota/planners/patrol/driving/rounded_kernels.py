@@ -71,8 +71,10 @@ def _corner_m_s2(sine, limits):
 def rounding(speed_m_s, sine, limits):
     """Of a corner passed at this speed: seconds, metres from the corner to either end, and how far off it passes.
 
-    sine: of half the turning angle.
+    sine: of half the turning angle; a vertex that is no corner takes no time.
     """
+    if sine < STRAIGHT:
+        return 0.0, 0.0, 0.0
     change, jerk, most = 2 * speed_m_s * sine, limits.jerk_m_s3, _corner_m_s2(sine, limits)
     whole_s = change_s(change, most, jerk)
     peak = min(most, math.sqrt(change * jerk))
