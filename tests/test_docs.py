@@ -72,7 +72,8 @@ def test_kept_rows_with_other_columns_are_refused(tmp_path: Path) -> None:
 def test_every_page_is_in_the_contents() -> None:
     contents = "\n".join(re.findall(r"^```\{toctree\}.*?^```", (DOCS / "index.md").read_text(), re.M | re.S))
     listed = {line.strip() for line in contents.splitlines() if line and line[0] not in ":`"}
-    assert listed == {page.stem for page in PAGES} - {"index"}
+    notebooks = {f"notebooks/{page.stem}" for page in (DOCS / "notebooks").glob("*.ipynb")}
+    assert listed == {page.stem for page in PAGES} - {"index"} | notebooks
 
 
 @pytest.mark.parametrize("page", [*PAGES, PROJECT / "README.md"], ids=lambda page: page.name)

@@ -6,9 +6,11 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rota.check import check_plan
-    from rota.draw import animate_plan, draw_cells, draw_plan
+    from rota.check import check_plan, worst_gaps_s
+    from rota.check.report import DemandVerdict, Report, Violation
+    from rota.draw import animate_plan, draw_cells, draw_gaps, draw_plan
     from rota.errors import CheckpointError, MissionError, NoPlanFound, PlanError, RotaError
+    from rota.exports import export_plan
     from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
@@ -33,11 +35,13 @@ if TYPE_CHECKING:
     from rota.planners.bounce.planner_settings import BounceSettings
     from rota.planners.patrol.planner_settings import PatrolSettings
     from rota.planners.swarm.planner_settings import SwarmSettings
-    from rota.planning.make_plan import make_plan, search_plan
+    from rota.planning.make_plan import PlanSearch, make_plan, search_plan
+    from rota.planning.planner import prove_bound
 
 __all__ = [
     "BounceSettings",
     "CheckpointError",
+    "DemandVerdict",
     "DiscSensor",
     "Fleet",
     "GeoPoint",
@@ -51,6 +55,8 @@ __all__ = [
     "PatrolSettings",
     "Plan",
     "PlanError",
+    "PlanSearch",
+    "Report",
     "Robot",
     "RotaError",
     "SquareSensor",
@@ -58,16 +64,21 @@ __all__ = [
     "StartPoints",
     "SwarmSettings",
     "Trajectory",
+    "Violation",
     "Zone",
     "animate_plan",
     "check_plan",
     "draw_cells",
+    "draw_gaps",
     "draw_plan",
+    "export_plan",
     "make_plan",
+    "prove_bound",
     "read_checkpoint",
     "read_mission",
     "read_plan",
     "search_plan",
+    "worst_gaps_s",
     "write_checkpoint",
     "write_geojson",
     "write_plan",
@@ -75,8 +86,11 @@ __all__ = [
 ]
 
 _MODULES = {
-    "rota.check": ["check_plan"],
-    "rota.draw": ["animate_plan", "draw_cells", "draw_plan"],
+    "rota.planning.planner": ["prove_bound"],
+    "rota.exports": ["export_plan"],
+    "rota.check.report": ["DemandVerdict", "Report", "Violation"],
+    "rota.check": ["check_plan", "worst_gaps_s"],
+    "rota.draw": ["animate_plan", "draw_cells", "draw_plan", "draw_gaps"],
     "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "CheckpointError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
@@ -102,7 +116,7 @@ _MODULES = {
     "rota.planners.bounce.planner_settings": ["BounceSettings"],
     "rota.planners.patrol.planner_settings": ["PatrolSettings"],
     "rota.planners.swarm.planner_settings": ["SwarmSettings"],
-    "rota.planning.make_plan": ["make_plan", "search_plan"],
+    "rota.planning.make_plan": ["make_plan", "search_plan", "PlanSearch"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

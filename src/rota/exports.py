@@ -231,8 +231,14 @@ class Export:
         assert self.kind.text is not None
         return self.kind.text(self.plan)
 
-    def write(self, output: str) -> tuple[Path, ...]:
-        """Write the file or folder of another format; returns the paths written."""
+    def write(self, output: str | Path) -> tuple[Path, ...]:
+        """Write the file or the folder; returns the paths written."""
+        from rota.files.atomic_write import write_atomically
+
+        output = str(output)
+        if self.kind.is_text:
+            write_atomically(output, self.text())
+            return (Path(output),)
         if self.kind.timed is not None:
             return self.kind.timed(self.plan, output, self.start, **self.given)
         assert self.kind.folder is not None
@@ -257,6 +263,22 @@ def export_of(
         raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
     start = START if start_time is None else instant_given(start_time, "--start-time")
     return Export(plan=plan, kind=kind, start=start, given=_settings_given(to, settings))
+
+
+def export_plan(
+    plan: Plan,
+    to: str,
+    output: str | Path,
+    *,
+    origin: str | None = None,
+    start_time: str | None = None,
+    settings: Sequence[str] = (),
+) -> tuple[Path, ...]:
+    """Write the plan in a format of ``FORMATS``, to a file or for a folder of files; returns the paths written.
+
+    The others as in ``export_of``; RotaError for what the format does not take or cannot hold.
+    """
+    return export_of(plan, to, origin=origin, start_time=start_time, settings=settings).write(output)
 
 
 def export_format(name: str, where: str = "--to") -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely import box
 
-from rota.draw.routes import arrowheads, corner_times_s, corners, positions_at, routes_of
+from rota.draw.routes import arrowheads, corner_times_s, corners, routes_of
 from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.model.plan import Plan, Trajectory
 
@@ -35,12 +35,12 @@ def test_positions_go_round_for_ever_after_the_way_to_the_loop():
     # one lap of 40 s: at 5 + 40 k + 12 the robot is 2 m up the second side
     times = np.array([-1, 0, 2.5, 5, 17, 57, 5 + 4000 + 12])
     expected = [(-5, 0), (-5, 0), (-2.5, 0), (0, 0), (10, 2), (10, 2), (10, 2)]
-    np.testing.assert_allclose(positions_at(there, times), expected, atol=1e-9)
+    np.testing.assert_allclose(there.at(times), expected, atol=1e-9)
 
 
 def test_a_robot_without_a_loop_stays_and_heights_are_dropped():
     still = Trajectory(robot="a", times_s=[0, 2], positions_m=[(0, 0, 30), (4, 0, 30)], loop_start_s=2)
-    np.testing.assert_array_equal(positions_at(still, np.array([1.0, 2, 99])), [(2, 0), (4, 0), (4, 0)])
+    np.testing.assert_array_equal(still.at([1.0, 2, 99])[:, :2], [(2, 0), (4, 0), (4, 0)])
 
 
 def test_corner_times_repeat_with_the_loop():

@@ -17,7 +17,6 @@ from tests.files.with_mass import with_mass
 from rota.draw import animate_plan
 from rota.draw.film_frames import FilmFrames
 from rota.draw.plan_film import film_times_s
-from rota.draw.routes import positions_at
 from rota.errors import RotaError
 from rota.model.plan import Plan, Trajectory
 
@@ -176,5 +175,5 @@ def test_robots_with_motion_are_drawn_where_they_are(tmp_path: Path, monkeypatch
     animate_plan(plan, tmp_path / "film.gif", seconds=0.3, fps=10)
     times_s = np.linspace(0, 200, 4001)
     (shown,) = drawn
-    off_m = positions_at(shown.trajectories[0], times_s) - plan.trajectories[0].at(times_s)
+    off_m = shown.trajectories[0].at(times_s) - plan.trajectories[0].at(times_s)
     assert np.hypot(*off_m.T).max() < 0.05 + 1e-9

@@ -242,3 +242,12 @@ def test_a_zone_s_label_keeps_off_the_routes_where_there_is_room_for_it(beyond_m
     assert on_map.intersection(LineString(way)).length == 0
     assert on_map.distance(zone.shape) < 2
     assert len(ax.lines) == leaders
+
+
+def test_a_plan_is_drawn_on_axes_or_as_a_figure(yard: Plan) -> None:
+    ax = Figure().add_subplot()
+    assert draw_plan(yard, ax=ax) is ax
+    assert len(ax.lines) >= len(yard)
+    assert isinstance(draw_plan(yard), Figure)
+    with pytest.raises(TypeError, match="a path or ax, not both"):
+        draw_plan(yard, "plan.png", ax=ax)  # type: ignore[call-overload]

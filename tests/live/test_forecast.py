@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from tests.live.two_robots import two_robots
 
-from rota.draw.routes import positions_at
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.live.forecast import Forecast
@@ -30,7 +29,7 @@ def test_first_lapses_agree_with_brute_force(lags_s: tuple[float, float], until_
     forecast = Forecast(plan, places)
     lapses = forecast.lapses(last_seen_s, now_s, np.array(lags_s), np.array(until_s))
     times_s = np.arange(now_s, now_s + 2 * 60.0, STEP_S)
-    tracks_m = [positions_at(way, np.maximum(times_s - lag, 0)) for way, lag in zip(plan, lags_s, strict=True)]
+    tracks_m = [way.at(np.maximum(times_s - lag, 0)) for way, lag in zip(plan, lags_s, strict=True)]
     walls = edge_grid(sight_walls(plan.mission))
     firsts: dict[int, float] = {}
     for place, (at, k) in enumerate(zip(places.points_m, places.demand, strict=True)):

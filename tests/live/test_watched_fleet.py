@@ -11,7 +11,6 @@ from shapely import box
 from tests.files.with_mass import with_mass
 from tests.live.two_robots import ENDS_PERIOD_S, ROUND_S, SPEED_M_S, driven, two_robots
 
-from rota.draw.routes import positions_at
 from rota.live.events import Dropped, Event, Heard, Tick
 from rota.live.notices import Notice, lag_text, state_line, summary
 from rota.live.settings import WatchSettings
@@ -62,7 +61,7 @@ def test_ages_of_a_place_are_the_time_since_a_robot_was_in_reach() -> None:
     told(watch, list(driven(watch.plan, 30.0)))
     ages, places = watch._ages, watch._ages.places.points_m
     times_s = np.arange(0, 30.0, 0.002)
-    tracks_m = [positions_at(way, times_s) for way in watch.plan]
+    tracks_m = [way.at(times_s) for way in watch.plan]
     for number in range(0, len(places), 37):
         at = places[number]
         if 25 < at[0] < 36:

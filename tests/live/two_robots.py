@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from shapely import box
 
-from rota.draw.routes import positions_at
 from rota.live.events import Event, Heard, Tick
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.model.plan import Plan, Trajectory
@@ -52,6 +51,6 @@ def driven(
         time_s = k * step_s
         for number, way in enumerate(plan):
             if time_s <= (ends_s or {}).get(way.robot, until_s):
-                x, y = positions_at(way, [time_s])[0].tolist()
+                x, y = way.at([time_s])[0].tolist()
                 yield Heard(time_s, number, time_s, x, y, 30.0, 1.0 - time_s / 1000, "running")
         yield Tick(time_s)

@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.draw.routes import positions_at
 from rota.model.mission import DiscSensor
 from rota.model.plan import Plan
 
@@ -58,7 +57,7 @@ def ages_looked_up_s(plan: Plan, points_m: Floats, time_s: float, step_s: float)
             robot = plan.mission.fleet.robot(trajectory.robot)
             if not robot.joins_s <= moment <= (math.inf if robot.leaves_s is None else robot.leaves_s):
                 continue
-            place = positions_at(trajectory, [max(moment, 0.0)])[0]
+            place = trajectory.at([max(moment, 0.0)])[0]
             off = np.abs(points_m - place)
             disc = isinstance(robot.sensor, DiscSensor)
             near = np.hypot(*off.T) <= robot.sensor.radius_m if disc else off.max(axis=1) <= robot.sensor.side_m / 2

@@ -10,19 +10,21 @@ from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:
     from rota.model.mission import Mission
-    from rota.model.plan import Plan
+    from rota.model.plan import Floats, Plan
 
 __all__ = [
     "DemandVerdict",
     "Report",
     "Violation",
     "check_plan",
+    "compiled_packages",
     "get_ready",
     "load",
     "met_text",
     "report_schema",
     "report_table",
     "report_to_json",
+    "worst_gaps_s",
 ]
 
 
@@ -34,8 +36,31 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01, on_the_way: Callable[[], N
     without trajectories sees nothing. on_the_way: called now and then; what it raises ends the check without a verdict.
     """
     from rota.check.judge import check_plan as judge  # loads the compiled loops only when they are needed
+    from rota.compiled.compiled_cache import mention_compiling
 
+    mention_compiling(*compiled_packages(plan.mission))
     return judge(plan, finest_m=finest_m, on_the_way=on_the_way)
+
+
+def compiled_packages(mission: Mission) -> tuple[str, ...]:
+    """The package whose loops ``check_plan`` of a mission's plans runs: none where no period asks for every point.
+
+    Of swarms it runs them in any case, to tell what they hold.
+    """
+    every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
+    return ("check",) if every_point or mission.period_s is not None or mission.planning.makes_runs else ()
+
+
+def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:
+    """The longest time, in seconds, that each point of (n, 2) metres is unseen, once robots are in their loops.
+
+    (n,); inf: never seen. Sight is exact, and so are these at the points; ``check_plan`` judges all between them.
+    """
+    import numpy as np
+
+    from rota.check.revisits import worst_gaps_s as gaps_s
+
+    return gaps_s(plan, np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2))
 
 
 def load() -> None:

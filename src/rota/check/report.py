@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from dataclasses import asdict, dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from rota.check.holding import Holding
 from rota.model.plan import EndReason, RunEnd
 from rota.model.violation_kinds import ViolationKind
+
+if TYPE_CHECKING:
+    import pandas
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
@@ -90,7 +94,7 @@ class DemandVerdict:
     outcome: Outcome
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Report:
     """The independent verdict on a plan: "met" only when every demand is shown met and nothing is violated.
 
@@ -115,10 +119,10 @@ class Report:
     violations: tuple[Violation, ...]
     first_coverage_s: float | None
     holds_from_s: float
-    unmet_points_m: NDArray[np.float64] = field(repr=False)
-    unmet_demand: NDArray[np.int64] = field(repr=False)
-    shown_unmet_m: NDArray[np.float64] = field(repr=False)
-    shown_unmet_demand: NDArray[np.int64] = field(repr=False)
+    unmet_points_m: NDArray[np.float64]
+    unmet_demand: NDArray[np.int64]
+    shown_unmet_m: NDArray[np.float64]
+    shown_unmet_demand: NDArray[np.int64]
     run_end: RunEnd | None = None
     holding: Holding | None = None
     clock_margin_s: float | None = None
@@ -134,6 +138,24 @@ class Report:
     def worst_ratio_at_least(self) -> float:
         """Some gap is at least so many times its period (inf: something is never seen); 0 when nothing is asked."""
         return max((d.worst_gap_at_least_s / d.period_s for d in self.demands), default=0.0)
+
+    def __repr__(self) -> str:
+        worst = f", worst gap {self.worst_ratio:.3f} of its period" if self.demands else ""
+        return f"<Report {self.verdict}: {self.robots} robots{worst}, {len(self.violations)} violations>"
+
+    def _repr_html_(self) -> str:
+        gaps = [
+            f"{d.name}: {d.outcome}, worst gap {number_text(d.worst_gap_s)}, period {number_text(d.period_s)} s"
+            for d in self.demands
+        ]
+        lines = [repr(self)[1:-1], *gaps, *(violation.text() for violation in self.violations)]
+        return f"<pre>{escape(chr(10).join(lines))}</pre>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The demands as a pandas table, a row for each ``DemandVerdict``; ImportError without pandas."""
+        import pandas
+
+        return pandas.DataFrame([asdict(demand) for demand in self.demands])
 
 
 def _run_end_to_json(end: RunEnd) -> dict[str, Any]:

@@ -14,7 +14,6 @@ from rota.command.terminal import STANDARD_STREAM
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from rota.model.mission import Mission
     from rota.model.plan import Plan
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -43,15 +42,6 @@ def cluster_or_none(address: str | None) -> AbstractContextManager[Executor | No
     from rota.engines.workers import workers
 
     return workers(address)
-
-
-def compiled_for_check(mission: Mission) -> tuple[str, ...]:
-    """The package whose loops the check of a mission's plans runs: none where no period asks for every point.
-
-    Of swarms it runs them in any case, to tell what they hold.
-    """
-    every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
-    return ("check",) if every_point or mission.period_s is not None or mission.planning.makes_runs else ()
 
 
 def require_target(target: str, source: str | Path) -> None:

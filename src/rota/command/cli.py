@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rota.check import compiled_packages
 from rota.command.arguments import (
     PICTURES,
     ClusterAddress,
     EffortName,
     PlanPath,
     cluster_or_none,
-    compiled_for_check,
     read_plan_argument,
     require_target,
 )
@@ -37,8 +37,9 @@ from rota.command.start import new, schema
 from rota.command.straighten import straighten
 from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.sweep import sweep
-from rota.command.terminal import mention_compiling, reading_ahead, say
+from rota.command.terminal import reading_ahead, say
 from rota.command.watch import watch
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 from rota.exports import export_format
 from rota.planning.stopping import OwnThread
@@ -125,7 +126,7 @@ def plan(
             planner = planner_of(asked)
             for long in planner.long_work(asked):
                 say(f"this takes long: {long}")
-            packages = (*planner.compiled_packages(asked), *compiled_for_check(asked))
+            packages = (*planner.compiled_packages(asked), *compiled_packages(asked))
             checkpoint = None if resume is None else read_checkpoint(resume)
             seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
             stack.enter_context(compiled_first(planner, packages))
@@ -189,7 +190,7 @@ def check(
         raise RotaError("--wind: is for --vehicle only")
     else:
         made = plan_as_executed(answer, executed, in_phase_every, origin)
-    mention_compiling(*compiled_for_check(answer.mission))
+    mention_compiling(*compiled_packages(answer.mission))
     with saying_when_interrupted("the plan is not checked to the end"):
         report = OwnThread(lambda: check_plan(made.plan)).awaited()
     typer.echo(json.dumps(made.to_json(report), indent=1) if as_json else made.text(report))
@@ -216,7 +217,7 @@ def draw(
     if cells:
         draw_cells(answer, output)
     else:
-        mention_compiling(*compiled_for_check(answer.mission))
+        mention_compiling(*compiled_packages(answer.mission))
         draw_plan(answer, output)
     typer.echo(output)
 

@@ -11,7 +11,8 @@ import typer
 from rota.command.arguments import PICTURES, EffortName, require_target
 from rota.command.exit_codes import DONE, NO_PLAN
 from rota.command.interrupt import stop_on_interrupt
-from rota.command.terminal import mention_compiling, progress_bar, say
+from rota.command.terminal import progress_bar, say
+from rota.compiled.compiled_cache import mention_compiling
 
 
 def compare(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.terminal import Bar, mention_compiling, progress_bar, say
+from rota.command.terminal import Bar, progress_bar, say
+from rota.compiled.compiled_cache import mention_compiling
 
 if TYPE_CHECKING:
     from rota.planning.planner import Planner

@@ -8,9 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rota.command.arguments import compiled_for_check
-from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
+from rota.check import compiled_packages
+from rota.command.terminal import STANDARD_STREAM, say
 from rota.command.without_mass import without_mass
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 from rota.exports import FORMATS, export_format, export_of, placed_for
 from rota.vehicles.presets import ARDUCOPTER
@@ -56,7 +57,7 @@ def write_export(
     if kind.timed is not None and not kind.is_folder:
         require_target(output, source)
     if kind.judges:
-        mention_compiling(*compiled_for_check(plan.mission))
+        mention_compiling(*compiled_packages(plan.mission))
     paths = made.write(output)
     if kind.in_phase is not None:
         say(f"what keeps robots in phase: {kind.in_phase} (rota check --executed {to} judges that)")

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rota.command.executed import in_phase_every, table_of_worst
-from rota.command.terminal import mention_compiling
 from rota.command.without_mass import WORTH_SAYING
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 
 if TYPE_CHECKING:

@@ -20,8 +20,9 @@ import typer
 from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.interrupt import run_to_its_end
 from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
-from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
+from rota.command.terminal import STANDARD_STREAM, say
 from rota.command.without_mass import without_mass
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ import time
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from rota.command.terminal import mention_compiling, say
+from rota.command.terminal import say
+from rota.compiled.compiled_cache import mention_compiling
 
 if TYPE_CHECKING:
     from rota.links.link import Link

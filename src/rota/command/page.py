@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rota.command.arguments import PlanPath, compiled_for_check, read_plan_argument, require_target
-from rota.command.terminal import mention_compiling
+from rota.check import compiled_packages
+from rota.command.arguments import PlanPath, read_plan_argument, require_target
+from rota.compiled.compiled_cache import mention_compiling
 
 
 def page(
@@ -23,6 +24,6 @@ def page(
     require_suffix(Path(output), (".html",), "a page")
     require_target(output, source=plan)
     answer = read_plan_argument(plan)
-    mention_compiling(*compiled_for_check(answer.mission))
+    mention_compiling(*compiled_packages(answer.mission))
     write_page(answer, check_plan(answer), output)
     typer.echo(output)

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.arguments import PlanPath, compiled_for_check, read_plan_argument, require_target
+from rota.check import compiled_packages
+from rota.command.arguments import PlanPath, read_plan_argument, require_target
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.interrupt import saying_when_interrupted
 from rota.command.plan import write_or_print
-from rota.command.terminal import mention_compiling, say
+from rota.command.terminal import say
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 from rota.planning.stopping import OwnThread
 
@@ -40,7 +42,7 @@ def straighten(
     require_target(output, source=plan)
     answer = read_plan_argument(plan)
     tried_m = TRIED_M if within_m is None else (within_m,)
-    mention_compiling(*compiled_for_check(answer.mission))
+    mention_compiling(*compiled_packages(answer.mission))
     with saying_when_interrupted("no plan: it is not checked to the end"):
         for off_m in tried_m:
             made = straightened(answer, off_m)

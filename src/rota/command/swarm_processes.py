@@ -12,7 +12,8 @@ import typer
 from rota.command.arguments import require_target
 from rota.command.exit_codes import DONE
 from rota.command.interrupt import stop_on_interrupt
-from rota.command.terminal import mention_compiling, say
+from rota.command.terminal import say
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 
 if TYPE_CHECKING:

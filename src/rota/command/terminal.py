@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import time
@@ -84,13 +85,15 @@ def progress_bar() -> Iterator[Bar]:
         yield Bar(progress)
 
 
-def mention_compiling(*packages: str) -> None:
-    """Say so when these packages have not been compiled yet, which takes a while."""
-    from rota.compiled.compiled_cache import is_compiled
+class Saying(logging.Handler):
+    """What is logged, said on stderr."""
 
-    if not is_compiled(*packages):
-        say("compiling, once: half a minute to a minute")
+    def emit(self, record: logging.LogRecord) -> None:
+        """Say it."""
+        say(record.getMessage())
 
+
+logging.getLogger("rota.compiled").addHandler(Saying())
 
 READING_S_PER_MB, LONG_READING_S = 7.0, 15.0  # measured with files of 50,000 corners
 

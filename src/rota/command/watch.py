@@ -15,7 +15,8 @@ from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.interrupt import stop_on_interrupt
 from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
-from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
+from rota.command.terminal import STANDARD_STREAM, say
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import MissionError, RotaError
 
 if TYPE_CHECKING:

@@ -2,12 +2,33 @@
 
 from __future__ import annotations
 
+import logging
+from functools import cache
 from pathlib import Path
 
 from rota.compiled.code_cache import cache_folder
 from rota.compiled.source_stamp import code_prefix
 
 PACKAGE = Path(__file__).parents[1]
+
+
+log = logging.getLogger(__name__)
+
+
+def mention_compiling(*packages: str) -> None:
+    """Log a warning, once, that these packages (as in ``is_compiled``) are not compiled yet, which takes a while."""
+    if _has_to_compile(cache_folder(), packages):
+        _log_once(cache_folder())
+
+
+@cache
+def _has_to_compile(folder: Path, packages: tuple[str, ...]) -> bool:
+    return not is_compiled(*packages)
+
+
+@cache
+def _log_once(folder: Path) -> None:
+    log.warning("compiling, once: half a minute to a minute")
 
 
 def is_compiled(*packages: str) -> bool:

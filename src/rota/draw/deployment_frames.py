@@ -12,7 +12,6 @@ from rota.draw.deployment_maps import COVERED_ALPHA, covered_colour, filled
 from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
-from rota.draw.routes import places_at
 from rota.planning.plan_summary import range_from
 
 Floats = NDArray[np.float64]
@@ -59,7 +58,7 @@ class DeploymentFrames(FilmFrames):
 
     def _show_ground(self, time_s: float, age: Floats) -> None:
         times_s = np.array([time_s])
-        places = [places_at(trajectory, times_s)[0] for trajectory in self._plan]
+        places = [trajectory.at(times_s)[0] for trajectory in self._plan]
         discs = [
             range_from(robot.sensor, place)
             for robot, place in zip(self._robots, places, strict=True)

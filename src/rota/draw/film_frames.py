@@ -20,7 +20,7 @@ from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours
-from rota.draw.routes import corner_times_s, positions_at, routes_of
+from rota.draw.routes import corner_times_s, routes_of
 from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.mission import Mission
@@ -134,7 +134,7 @@ class FilmFrames:
             length_s = min(length_s, trajectory.loop_duration_s)
         from_s = max(time_s - length_s, 0)
         way_s = np.concatenate([[from_s], corner_times_s(trajectory, from_s, time_s), [time_s]])
-        return positions_at(trajectory, way_s)
+        return trajectory.at(way_s)[:, :2]
 
     def _move(self, time_s: float, age: Floats) -> None:
         self._show_ground(time_s, age)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path as FilePath
+from typing import overload
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -100,15 +101,32 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     return two_maps(plan.mission, _header(plan), routes, unseen)
 
 
-def draw_plan(plan: Plan, path: str | Path) -> None:
-    """Draw a plan to ``path`` as PNG, SVG or PDF, by its suffix; the file appears whole or not at all.
+@overload
+def draw_plan(plan: Plan, path: str | FilePath) -> None: ...
+@overload
+def draw_plan(plan: Plan, path: None = None, *, ax: Axes) -> Axes: ...
+@overload
+def draw_plan(plan: Plan) -> Figure: ...
+def draw_plan(plan: Plan, path: str | FilePath | None = None, *, ax: Axes | None = None) -> Figure | Axes | None:
+    """Draw a plan: to ``path`` as PNG, SVG or PDF by its suffix, its routes on ``ax``, or else as a figure to show.
 
-    The same plan gives the same bytes. The map is sampled at cell centres: it illustrates, the check decides. Raises
-    RotaError for another suffix or a folder that cannot be written to.
+    A file appears whole or not at all, and the same plan gives the same bytes. The map of gaps beside the routes is
+    sampled at cell centres: it illustrates, the check decides; ``draw_gaps`` draws it on axes. Returns what was drawn
+    on, nothing for a file. Raises TypeError for both a path and axes, RotaError for another suffix or a folder that
+    cannot be written to.
     """
-    path = Path(path)
+    if ax is not None:
+        if path is not None:
+            raise TypeError("draw_plan: give a path or ax, not both")
+        draw_routes(plan, ax)
+        return ax
+    if path is None:
+        with house_style():
+            return plan_figure(plan)
+    path = FilePath(path)
     suffix = require_suffix(path, FORMATS, "a picture")
     with house_style():
         fig = plan_figure(plan)
         with replaced_file(path) as partial:
             fig.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    return None

@@ -33,24 +33,6 @@ class Route:
         return float(np.hypot(*np.diff(self.loop_m, axis=0).T).sum())
 
 
-def positions_at(trajectory: Trajectory, times_s: Floats) -> Floats:
-    """Where a robot is in the plane, (n, 2) metres, at ``times_s`` (n,) seconds from 0 on, the loop going on for ever.
-
-    Before 0 it stands at its first position; a robot without a loop stays at its last.
-    """
-    return places_at(trajectory, times_s)[:, :2]
-
-
-def places_at(trajectory: Trajectory, times_s: Floats) -> Floats:
-    """Where a robot is, as ``positions_at`` but (n, 3) with its height where the plan has heights."""
-    times_s = np.asarray(times_s, dtype=np.float64)
-    start_s, duration_s = trajectory.loop_start_s, trajectory.loop_duration_s
-    if duration_s > 0:
-        looped_s = start_s + np.mod(times_s - start_s, duration_s)
-        times_s = np.where(times_s > trajectory.times_s[-1], looped_s, times_s)
-    return np.column_stack([np.interp(times_s, trajectory.times_s, along) for along in trajectory.positions_m.T])
-
-
 def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats:
     """The times (n,) in seconds between ``from_s`` and ``to_s`` at which a robot is at one of its timed points."""
     times_s, start_s, duration_s = trajectory.times_s, trajectory.loop_start_s, trajectory.loop_duration_s

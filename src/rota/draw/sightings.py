@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.cells.cell_map import CellMap
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
-from rota.draw.routes import corner_times_s, places_at
+from rota.draw.routes import corner_times_s
 from rota.model.mission import DiscSensor, Sensor, inner_reach_m
 from rota.model.plan import Plan
 
@@ -63,7 +63,7 @@ class Sightings:
             even_s = np.linspace(from_s, to_s, max(1, math.ceil((to_s - from_s) / step_s)) + 1)
             times_s = np.union1d(even_s, corner_times_s(trajectory, from_s, to_s))
             times_s = times_s if len(times_s) > 1 else np.repeat(times_s, 2)
-            places_m = places_at(trajectory, times_s)
+            places_m = trajectory.at(times_s)
             # of a wait only its end counts
             moves = np.append((places_m[2:] != places_m[1:-1]).any(axis=1), True)
             for k in np.flatnonzero(moves):
@@ -77,7 +77,7 @@ class Sightings:
             if time_s < robot.joins_s or (robot.leaves_s is not None and time_s > robot.leaves_s):
                 shapes.append(GeometryCollection())
                 continue
-            places_m = places_at(trajectory, np.array([time_s]))
+            places_m = trajectory.at([time_s])
             sensor, place_m = sensor_from(robot.sensor, places_m), places_m[0, :2]
             cut = cut_footprint(self._walls, sensor, place_m)
             shapes.append(open_footprint(sensor, place_m) if cut is None else cut)

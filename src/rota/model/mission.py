@@ -172,7 +172,7 @@ def _default_settings() -> PlannerSettings:
     return settings
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
 
@@ -245,6 +245,18 @@ class Mission:
     def has_starts(self) -> bool:
         """Whether any robot must begin at a given place."""
         return self.fleet.start is not None or any(robot.start is not None for robot in self.fleet.robots or ())
+
+    def __repr__(self) -> str:
+        held = (("zone", self.zones), ("obstacle", self.obstacles), ("robot", self.fleet.robots or ()))
+        parts = [f"{len(items)} {noun}{'' if len(items) == 1 else 's'}" for noun, items in held if items]
+        if self.fleet.robots is None:
+            parts.append("as few robots as possible")
+        return f"<Mission {self.name!r} for {self.planning.planner}: {self.area.area:,.6g} m2, {', '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        from rota.model.html import mission_html
+
+        return mission_html(self)
 
     def with_effort(self, effort: str) -> Mission:
         """The same mission, planned with another effort; MissionError for a planner that has none."""

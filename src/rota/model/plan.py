@@ -2,223 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
-from rota.model.limits import FAR_FROM_AREA_M, LONGEST_S, SHORTEST_LOOP_S
+from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
+from rota.model.trajectory import Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    import pandas
+
 EndReason = Literal["rest", "blocked", "most_steps", "stopped"]
 
 
 NAMED = 5  # blocked robots
-BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
-
-
-def _frozen(values: object) -> Floats:
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Waypoints:
-    """What an autopilot that cuts corners by itself is told of a loop, instead of its legs.
-
-    places_m: (k, 2), k >= 2; the robot begins at the first, and goes round them for ever. times_s: (k + 1,) rising,
-    when it leaves the first and when it is nearest to each of the others and to the first again. speed_m_s: what it is
-    told for every leg. Raises PlanError for other shapes, numbers that are not finite and a speed that is not above 0.
-    """
-
-    places_m: Floats
-    times_s: Floats
-    speed_m_s: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "places_m", _frozen(self.places_m))
-        object.__setattr__(self, "times_s", _frozen(self.times_s))
-        places, times = self.places_m, self.times_s
-        if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or times.shape != (len(places) + 1,):
-            raise PlanError(f"waypoints: places {places.shape}, times {times.shape}; (k, 2) and (k + 1,) with k >= 2")
-        if not (
-            np.isfinite(places).all() and np.isfinite(times).all() and times[0] >= 0 and (np.diff(times) > 0).all()
-        ):
-            raise PlanError("waypoints: places must be finite, times 0 or more and rising")
-        if not 0 < self.speed_m_s < math.inf:
-            raise PlanError(f"waypoints: speed_m_s = {self.speed_m_s}; must be greater than 0")
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Waypoints):
-            return NotImplemented
-        same = np.array_equal(self.places_m, other.places_m) and np.array_equal(self.times_s, other.times_s)
-        return same and self.speed_m_s == other.speed_m_s
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Trajectory:
-    """Timed points of one robot: straight legs, each at a constant acceleration, then the loop for ever.
-
-    times_s: (n,) seconds, from 0, strictly increasing; n >= 1. positions_m: (n, 2) or (n, 3) metres. headings_rad: (n,)
-    or None (the direction of motion). accelerations_m_s2: (n - 1,) along each leg, or None: all legs are driven at
-    constant speeds. A leg of length L in the time T with the acceleration a begins at the speed L / T - a T / 2 and
-    ends at L / T + a T / 2; neither is below 0. waypoints: what its autopilot is told; None: the legs themselves.
-    ``loop_start_s`` is one of the times: equal to the last, the robot stays where it is; otherwise the position then
-    equals the last position exactly and the robot repeats from there.
-
-    Raises PlanError for all else, for values that are not finite, times beyond 1e10 s and loops of less than 1e-6 s.
-    """
-
-    robot: str
-    times_s: Floats
-    positions_m: Floats
-    headings_rad: Floats | None = None
-    accelerations_m_s2: Floats | None = None
-    waypoints: Waypoints | None = None
-    loop_start_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "times_s", _frozen(self.times_s))
-        object.__setattr__(self, "positions_m", _frozen(self.positions_m))
-        if self.headings_rad is not None:
-            object.__setattr__(self, "headings_rad", _frozen(self.headings_rad))
-        if self.accelerations_m_s2 is not None:
-            object.__setattr__(self, "accelerations_m_s2", _frozen(self.accelerations_m_s2))
-        object.__setattr__(self, "loop_start_s", float(self.loop_start_s))
-        times, positions = self.times_s, self.positions_m
-        if times.ndim != 1 or not len(times):
-            raise PlanError(f"robot {self.robot}: times_s has shape {times.shape}; at least one time is needed")
-        if positions.ndim != 2 or positions.shape[0] != len(times) or positions.shape[1] not in (2, 3):
-            raise PlanError(
-                f"robot {self.robot}: positions_m has shape {positions.shape}; ({len(times)}, 2) or ({len(times)}, 3)"
-                " is needed, one position per time"
-            )
-        if self.headings_rad is not None and self.headings_rad.shape != times.shape:
-            raise PlanError(f"robot {self.robot}: headings_rad has shape {self.headings_rad.shape}, not {times.shape}")
-        if not (np.isfinite(times).all() and np.isfinite(positions).all()):
-            raise PlanError(f"robot {self.robot}: times and positions must be finite")
-        if self.headings_rad is not None and not np.isfinite(self.headings_rad).all():
-            k = int(np.flatnonzero(~np.isfinite(self.headings_rad))[0])
-            raise PlanError(f"robot {self.robot}: headings_rad[{k}] = {self.headings_rad[k]}; headings must be finite")
-        if times[0] != 0:
-            raise PlanError(f"robot {self.robot}: times_s starts at {times[0]}; it must start at 0")
-        late = np.flatnonzero(np.diff(times) <= 0)
-        if len(late):
-            k = int(late[0])
-            raise PlanError(f"robot {self.robot}: times_s[{k + 1}] = {times[k + 1]} does not come after {times[k]}")
-        if times[-1] > LONGEST_S:
-            k = int(np.flatnonzero(times > LONGEST_S)[0])
-            raise PlanError(f"robot {self.robot}: times_s[{k}] = {times[k]}; at most {LONGEST_S:g} s are allowed")
-        start = np.flatnonzero(times == self.loop_start_s)
-        if not len(start):
-            raise PlanError(f"robot {self.robot}: loop_start_s = {self.loop_start_s} is none of the times")
-        if (positions[start[0]] != positions[-1]).any():
-            raise PlanError(
-                f"robot {self.robot}: the loop does not close: at loop_start_s the position is"
-                f" {positions[start[0]].tolist()}, at the end {positions[-1].tolist()}"
-            )
-
-        if 0 < times[-1] - self.loop_start_s < SHORTEST_LOOP_S:
-            raise PlanError(
-                f"robot {self.robot}: its loop takes {times[-1] - self.loop_start_s:.3g} s; loops take"
-                f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
-            )
-        self._require_forward()
-
-    def _require_forward(self) -> None:
-        """Raise PlanError for accelerations that are no numbers, or with which a leg would begin or end backwards."""
-        if self.accelerations_m_s2 is None:
-            return
-        given, legs = self.accelerations_m_s2, len(self.times_s) - 1
-        if given.shape != (legs,):
-            raise PlanError(
-                f"robot {self.robot}: accelerations_m_s2 has shape {given.shape}, not ({legs},), one per leg"
-            )
-        if not np.isfinite(given).all():
-            k = int(np.flatnonzero(~np.isfinite(given))[0])
-            raise PlanError(f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]}; accelerations must be finite")
-        lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
-        halved = np.diff(self.times_s) ** 2 / 2  # of the shortest legs 0, by which nothing can be divided
-        backwards = np.flatnonzero(np.abs(given) * halved > lengths * (1 + BACKWARDS_SHARE))
-        if len(backwards):
-            k = int(backwards[0])
-            raise PlanError(
-                f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]:.6g}; on this leg at most"
-                f" {lengths[k] / halved[k]:.6g} m/s2"
-                " either way are allowed, or the robot would drive backwards"
-            )
-
-    @property
-    def bends(self) -> Floats:
-        """(n - 1,) how the way along each leg bends in time, from -1 to 1.
-
-        Of the share u of the leg's time it is the share u + bend u (u - 1) of the leg.
-
-        0 at constant speed; 1 from rest, -1 to rest. A leg of no length has 0.
-        """
-        if self.accelerations_m_s2 is None:
-            return np.zeros(len(self.times_s) - 1)
-        lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
-        swept = self.accelerations_m_s2 * np.diff(self.times_s) ** 2 / 2
-        return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
-
-    def at(self, times_s: object) -> Floats:
-        """Positions (..., d) in metres at the times (...) in seconds, a number or an array, in any round.
-
-        Before 0 the robot is where it begins.
-        """
-        asked_s = np.asarray(times_s, dtype=np.float64)
-        if self.loop_duration_s > 0:
-            late = asked_s > self.loop_start_s
-            again_s = self.loop_start_s + np.mod(asked_s - self.loop_start_s, self.loop_duration_s)
-            asked_s = np.where(late, again_s, asked_s)
-        if len(self.times_s) == 1:
-            return np.broadcast_to(self.positions_m[0], (*asked_s.shape, self.positions_m.shape[1])).copy()
-        leg = np.clip(np.searchsorted(self.times_s, asked_s, side="right") - 1, 0, len(self.times_s) - 2)
-        share = np.clip((asked_s - self.times_s[leg]) / (self.times_s[leg + 1] - self.times_s[leg]), 0.0, 1.0)
-        along = (share + self.bends[leg] * share * (share - 1))[..., None]
-        begin = self.positions_m[leg]
-        return np.asarray(
-            np.where(along == 1, self.positions_m[leg + 1], begin + along * (self.positions_m[leg + 1] - begin))
-        )
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Trajectory):
-            return NotImplemented
-        mine, theirs = self.headings_rad, other.headings_rad
-        same_headings = mine is theirs if mine is None or theirs is None else np.array_equal(mine, theirs)
-        return (
-            self.robot == other.robot
-            and self.loop_start_s == other.loop_start_s
-            and np.array_equal(self.times_s, other.times_s)
-            and np.array_equal(self.positions_m, other.positions_m)
-            and same_headings
-            and np.array_equal(self.bends, other.bends)
-            and self.waypoints == other.waypoints
-        )
-
-    @property
-    def loop_index(self) -> int:
-        """Index of ``loop_start_s`` in ``times_s``."""
-        return int(np.searchsorted(self.times_s, self.loop_start_s))
-
-    @property
-    def loop_duration_s(self) -> float:
-        """Length of the repeated part in seconds; 0 when the robot stays at its last position."""
-        return float(self.times_s[-1]) - self.loop_start_s
-
-    @property
-    def loop_length_m(self) -> float:
-        """Length of the repeated part in metres; 0 when the robot stays at its last position."""
-        steps = np.diff(self.positions_m[self.loop_index :], axis=0)
-        return float(np.sqrt((steps**2).sum(axis=1)).sum())
 
 
 def _require_near(trajectory: Trajectory, bounds_m: Floats, flying: bool) -> None:
@@ -283,9 +85,11 @@ class RunEnd:
         return f"cut off {steps} {why}, before all robots were at rest"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Plan:
-    """A mission and its answer. ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
+    """A mission and its answer: ``len(plan)`` robots, ``plan["robot-1"]``, and each trajectory in turn.
+
+    ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
 
     ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told. ``run_end``: how the
     run of a swarm ended; None: not told, and for other planners.
@@ -323,3 +127,51 @@ class Plan:
 
     def __iter__(self) -> Iterator[Trajectory]:
         return iter(self.trajectories)
+
+    def __len__(self) -> int:
+        return len(self.trajectories)
+
+    def __bool__(self) -> bool:
+        return True  # a plan without robots is a plan
+
+    def __getitem__(self, robot: str) -> Trajectory:
+        """The trajectory of the robot of this name; KeyError names those that there are."""
+        for trajectory in self.trajectories:
+            if trajectory.robot == robot:
+                return trajectory
+        raise KeyError(f"{robot!r}; the plan has {', '.join(repr(each.robot) for each in self) or 'no robots'}")
+
+    def __repr__(self) -> str:
+        bound = "" if self.lower_bound_robots is None else f", {self.lower_bound_robots} at least"
+        robots = f"{len(self)} robot{'' if len(self) == 1 else 's'}"
+        return f"<Plan of {self.mission.name!r}: {robots}{bound}, seed {self.seed}>"
+
+    def _repr_html_(self) -> str:
+        from rota.model.html import plan_html
+
+        return plan_html(self)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """All timed points as a pandas table; ImportError where pandas is not installed.
+
+        Columns: robot, time_s, x_m, y_m, z_m (nan in the plane), in_loop, and heading_rad (nan: along the way).
+        """
+        import pandas
+
+        parts = []
+        for one in self.trajectories:
+            count, dimensions = one.positions_m.shape
+            parts.append(
+                pandas.DataFrame(
+                    {
+                        "robot": one.robot,
+                        "time_s": one.times_s,
+                        "x_m": one.positions_m[:, 0],
+                        "y_m": one.positions_m[:, 1],
+                        "z_m": one.positions_m[:, 2] if dimensions == 3 else np.full(count, np.nan),
+                        "in_loop": one.times_s >= one.loop_start_s,
+                        "heading_rad": np.full(count, np.nan) if one.headings_rad is None else one.headings_rad,
+                    }
+                )
+            )
+        return pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame()

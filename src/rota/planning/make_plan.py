@@ -103,6 +103,7 @@ def search_plan(
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
     planner = planner_of(mission)
+    _mention_compiling(planner, mission)
     _require_runs(mission, resumes=resume is not None, observed=observe is not None)
     shared = should_stop if isinstance(should_stop, StopRule) and time_limit_s is None else None
     stop = shared or StopRule(time_limit_s, should_stop)
@@ -123,6 +124,13 @@ def search_plan(
         stop.stop()  # so that what is left ends soon
         raise
     return found if found is not None else judge.left()
+
+
+def _mention_compiling(planner: Planner, mission: Mission) -> None:
+    from rota.check import compiled_packages
+    from rota.compiled.compiled_cache import mention_compiling
+
+    mention_compiling(*planner.compiled_packages(mission), *compiled_packages(mission))
 
 
 def _require_runs(mission: Mission, *, resumes: bool, observed: bool) -> None:

@@ -147,6 +147,14 @@ def loadable_planners() -> tuple[str, ...]:
     return tuple(name for name in planner_names() if loads(name))
 
 
+def prove_bound(mission: Mission) -> tuple[int, str] | None:
+    """The fewest robots that any plan of the mission takes, proved without planning, and why; None: nothing is proved.
+
+    The reason goes on after "... robots at least:". Raises NoPlanFound where no robot can stand or see.
+    """
+    return planner_of(mission).proved_bound(mission)
+
+
 def planner_of(mission: Mission) -> Planner:
     """The planner of a mission's settings."""
     return planner_named(mission.planning.planner)

@@ -11,7 +11,7 @@ from rota.cells.cell_map import cell_map_of
 from rota.check.presence import away_times_s
 from rota.check.routes import sensors_of
 from rota.model.mission import DiscSensor
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
 from rota.planning.plan_summary import range_at_the_end
 from rota.playback import kernels
 
@@ -46,7 +46,7 @@ def range_over_time(plan: Plan) -> Coverage | None:
     cell_map = cell_map_of(plan.mission, CELLS)
     end_s = max(float(trajectory.times_s[-1]) for trajectory in plan)
     times_s = np.linspace(0.0, end_s, MOMENTS if end_s > 0 else 1)
-    places_m = np.stack([_places_at(trajectory.times_s, trajectory.positions_m, times_s) for trajectory in plan], 1)
+    places_m = np.stack([_places_at(trajectory, times_s) for trajectory in plan], 1)
     reaches_m, squares = sensors_of(plan)
     radii_m = np.tile(reaches_m, (len(times_s), 1))
     for k, trajectory in enumerate(plan):
@@ -73,7 +73,7 @@ def entered_over_time(entered_s: Floats, cells: int) -> Coverage:
     return Coverage(what="cells entered", times_s=times_s, shares=shares, at_rest=None)
 
 
-def _places_at(corner_times_s: Floats, corners_m: Floats, times_s: Floats) -> Floats:
-    """Places (t, 3) of a robot that stays at its last corner; height 0 where it has none."""
-    columns = [np.interp(times_s, corner_times_s, corners_m[:, axis]) for axis in range(corners_m.shape[1])]
-    return np.stack([*columns, *([np.zeros(len(times_s))] * (3 - len(columns)))], axis=1)
+def _places_at(trajectory: Trajectory, times_s: Floats) -> Floats:
+    """Places (t, 3) of a robot; height 0 where it has none."""
+    places_m = trajectory.at(times_s)
+    return np.pad(places_m, ((0, 0), (0, 3 - places_m.shape[1])))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import typer
 
 from rota.command.exit_codes import DONE, NO_PLAN
-from rota.command.terminal import mention_compiling, progress_bar, say
+from rota.command.terminal import progress_bar, say
+from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
 
 if TYPE_CHECKING:

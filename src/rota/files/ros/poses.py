@@ -54,8 +54,7 @@ class Motion:
         if duration_s > 0:
             times_s = np.where(times_s > known_s[-1], start_s + np.mod(times_s - start_s, duration_s), times_s)
         positions = np.zeros((len(times_s), 3))
-        for axis, along in enumerate(trajectory.positions_m.T):
-            positions[:, axis] = np.interp(times_s, known_s, along)
+        positions[:, : trajectory.positions_m.shape[1]] = trajectory.at(times_s)
         if self._turns:
             return positions, np.interp(times_s, known_s, self._yaws)
         return positions, self._yaws[np.searchsorted(known_s, times_s, side="right") - 1]

@@ -9,7 +9,6 @@ from shapely import MultiPolygon, Polygon, box
 
 import rota
 from rota.check import check_plan
-from rota.draw.routes import positions_at
 from rota.files.geodesy import Projection
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
@@ -177,7 +176,7 @@ def test_table_film_and_exports_keep_the_way_and_the_loop_apart() -> None:
     (row,) = robot_rows(led)
     assert (row.loop_length_m, row.loop_time_s) == pytest.approx((64, 64 / 1.99))
     late_s = trajectory.loop_start_s + 3 * trajectory.loop_duration_s
-    np.testing.assert_allclose(positions_at(trajectory, np.array([0.0, late_s])), [(10, 1), (10, 4)], atol=1e-6)
+    np.testing.assert_allclose(trajectory.at(np.array([0.0, late_s])), [(10, 1), (10, 4)], atol=1e-6)
     items = trajectory_to_qgroundcontrol(led, trajectory)["mission"]["items"]
     projection = Projection(GeoPoint(lat=48.1, lon=11.5))
 
