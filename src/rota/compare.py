@@ -179,6 +179,8 @@ def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:
 
 
 def _row(outcome: MethodOutcome) -> tuple[str, ...]:
+    """A method as a row of the table, in the order of ``HEAD``."""
+
     def told(value: float | None, form: str) -> str:
         return "-" if value is None else "never" if value == math.inf else format(value, form)
 

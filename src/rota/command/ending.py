@@ -59,6 +59,7 @@ def exit_code_of(end: Exception | SystemExit) -> int:
 
 
 def _code_of_exit(end: SystemExit) -> int:
+    """The exit code of a command that ended itself, or that typer ended."""
     behind = _causes_of(end)
     by = next((cause for cause in behind if isinstance(cause, KeyboardInterrupt)), None)
     if by is not None:

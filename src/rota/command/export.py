@@ -83,6 +83,7 @@ def plan_as_executed(plan: Plan, name: str, in_phase_every_s: float | None, orig
 
 
 def _write_text(text: Callable[[], str], source: str, output: str) -> tuple[str, ...]:
+    """Write text to stdout or to a file; returns the path of the file."""
     from rota.files.atomic_write import require_target, write_atomically
 
     if output == STANDARD_STREAM:

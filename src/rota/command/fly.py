@@ -120,6 +120,7 @@ def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> 
 
 
 async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
+    """Send the routes, start the robots if asked to, and drive along with them."""
     from rota.links.flights import Flights
     from rota.links.sending import first_reports, routes_for, send_all, start_all
 
@@ -209,6 +210,7 @@ def _begun_text(link: Link) -> str:
 
 
 async def _command(link: Link, plan: Plan, home: bool) -> None:
+    """Stop all robots or bring them home."""
     from rota.links.flights import Flights
     from rota.links.sending import command_all, first_reports
 

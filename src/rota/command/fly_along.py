@@ -78,6 +78,7 @@ class Along(AbstractContextManager["Along"]):
                 say(RELEASED if self._link.drives_along else GO_ON)
 
     async def _news(self, driving: Driving) -> None:
+        """Say now and then how many robots are heard, which is the latest and how fast all go."""
         link = self._link
         while True:
             await asyncio.sleep(NEWS_EVERY_S)

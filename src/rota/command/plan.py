@@ -148,6 +148,7 @@ def _write_metrics(histories: list[Any], path: str | None) -> None:
 
 
 def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
+    """Print what the planner says of its plan and what the check says."""
     from rota.check import met_text, report_table
     from rota.planning.planner import planner_of
 

@@ -42,6 +42,7 @@ def schema(
 
 
 def _schema_maker(name: SchemaName) -> Callable[[], dict[str, Any]]:
+    """The function that makes the JSON Schema of this name."""
     if name == "mission":
         from rota.files.mission_file import mission_schema
 

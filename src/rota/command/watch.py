@@ -112,6 +112,7 @@ def _require_sense(
     every: float,
     tolerance: float,
 ) -> None:
+    """Refuse options that contradict each other, and numbers that are not above 0."""
     if replay is not None and judge is not None:
         raise RotaError("--replay, --judge: only one of them is allowed")
     if (replay or judge) and (log is not None or has_settings or seconds is not None):
@@ -171,6 +172,7 @@ def _watch(
     every: float,
     as_json: bool,
 ) -> int:
+    """Watch robots over a link until the time is up or Ctrl-C; returns the exit code."""
     from rota.command.watch_table import WatchTable
     from rota.live.ready import make_ready
     from rota.live.session import Session
@@ -213,6 +215,7 @@ async def _begin(plan: Plan, link: Link) -> None:
 
 
 def _replay(plan: Plan, path: str, every: float, as_json: bool) -> int:
+    """Show a log as if it came now; returns the exit code."""
     from rota.live.session import replay
     from rota.live.watch import Watch
     from rota.live.watch_log import LogReader
@@ -228,6 +231,7 @@ def _replay(plan: Plan, path: str, every: float, as_json: bool) -> int:
 
 
 def _judge(plan: Plan, path: str, tolerance_m: float, as_json: bool) -> int:
+    """Print the verdict of the check on a log; returns the exit code."""
     from rota.check import report_table, report_to_json
     from rota.check.recorded import check_recording
     from rota.live.recording import recording_of

@@ -23,6 +23,7 @@ class DeploymentFrames(FilmFrames):
     """Draws a plan that asks nothing at one time after another: discs now in range, with the share that they cover."""
 
     def _draw_robots(self) -> None:
+        """Draw what robots have in range under their trails and marks, which are smaller when robots are many."""
         super()._draw_robots()
         mission = self._plan.mission
         self._free = mission.area.difference(shapely.union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
@@ -44,6 +45,7 @@ class DeploymentFrames(FilmFrames):
         self._image.set_visible(False)
 
     def _draw_scale(self, x: float) -> None:
+        """Draw the legend of what is in range."""
         high = self._fig.get_figheight()
         entries = [
             Patch(facecolor=covered_colour(1), edgecolor=COVERED_EDGE, label="in range now"),
@@ -57,6 +59,7 @@ class DeploymentFrames(FilmFrames):
         )  # fmt: skip
 
     def _show_ground(self, time_s: float, age: Floats) -> None:
+        """Move what robots have in range, and measure its share of the ground."""
         times_s = np.array([time_s])
         places = [trajectory.at(times_s)[0] for trajectory in self._plan]
         discs = [

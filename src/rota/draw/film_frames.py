@@ -76,6 +76,7 @@ class FilmFrames:
         self.size_px = self._canvas.get_width_height()
 
     def _draw_ground(self) -> None:
+        """Draw the mission and the image of how long each place is unseen."""
         wide, high = self._fig.get_size_inches()
         place = (LEFT / wide, BOTTOM / high, 1 - (LEFT + RIGHT) / wide, 1 - (TOP + BOTTOM) / high)
         self._ax = self._fig.add_axes(place, anchor="W")
@@ -93,6 +94,7 @@ class FilmFrames:
         )
 
     def _draw_robots(self) -> None:
+        """Draw footprints, trails, marks and numbers, which later frames move."""
         faces = [to_rgba("white", 0.3)] * len(self._colours)
         self._views = PathCollection([], facecolors=faces, edgecolors=self._colours, linewidths=1.0, zorder=4)
         # what a robot has just seen is dark, so the trail on it is pale
@@ -137,6 +139,7 @@ class FilmFrames:
         return trajectory.at(way_s)[:, :2]
 
     def _move(self, time_s: float, age: Floats) -> None:
+        """Move everything to a time."""
         self._show_ground(time_s, age)
         self._clock.set_text(f"t = {time_s:.1f} s · {self._speedup:.3g} × real time")
         trails, places_m = [], []

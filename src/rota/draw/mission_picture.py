@@ -57,6 +57,7 @@ def _zone_tints(mission: Mission) -> list[str]:
 
 
 def _obstacle_patch(obstacle: Obstacle) -> PathPatch:
+    """An obstacle in the colour and hatch of what it blocks."""
     path = outline(obstacle.shape)
     if obstacle.blocks == "motion":
         return PathPatch(path, facecolor="none", edgecolor=NO_ENTRY, hatch="///", linewidth=1.0, zorder=3)

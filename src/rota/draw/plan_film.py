@@ -83,6 +83,7 @@ def animate_plan(
 
 
 def _write_mp4(frames: Iterator[Frame], size_px: tuple[int, int], path: Path, fps: int) -> None:
+    """Encode frames by ffmpeg; RotaError with its complaint when it fails."""
     raw = ["-f", "rawvideo", "-pixel_format", "rgba", "-video_size", f"{size_px[0]}x{size_px[1]}"]
     # yuv420p and the index in front: what browsers and phones can play
     coded = ["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-f", "mp4"]

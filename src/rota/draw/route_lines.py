@@ -54,6 +54,7 @@ def _line_width_pt(plan: Plan, routes: tuple[Route, ...], scale: float) -> float
 
 
 def _draw_heads(ax: Axes, route: Route, colour: str, count: int, clear_m: float) -> None:
+    """Draw arrowheads along a loop, clear of its numbered mark."""
     places_m, directions = arrowheads(route.loop_m, count, clear_m)
     if not len(places_m):
         return
@@ -99,6 +100,7 @@ def _spread(places_m: Floats, scale: float) -> Floats:
 
 
 def _draw_marks(ax: Axes, plan: Plan, colours: list[str]) -> None:
+    """Draw a numbered mark where each loop starts; marks in one place are spread."""
     places_m = np.array([trajectory.positions_m[trajectory.loop_index, :2] for trajectory in plan]).reshape(-1, 2)
     for k, (place_m, offset_pt) in enumerate(zip(places_m, _spread(places_m, points_per_metre(ax)), strict=True)):
         circle = {"boxstyle": f"circle,pad={0.18 if k < 9 else 0.08}", "facecolor": colours[k], "edgecolor": "white"}

@@ -90,6 +90,7 @@ def _settle(partial: Path, target: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
+    """Bring a rename in the folder to the disk where the file system allows it."""
     # the rename itself must reach the disk too; not every file system lets a folder be opened
     try:
         descriptor = os.open(folder, os.O_RDONLY)

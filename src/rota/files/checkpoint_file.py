@@ -63,6 +63,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
 
 
 def _run(file: Any) -> Checkpoint:
+    """The run that a file holds; CheckpointError for what is missing or of another kind."""
     if "head" not in file.files:
         raise CheckpointError(f"no run file; a run file is needed ({MADE_BY})")
     head = json.loads(file["head"].tobytes().decode())

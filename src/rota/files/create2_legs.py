@@ -158,6 +158,7 @@ def turning_speed_m_s(plan: Plan, trajectory: Trajectory) -> float:
 def _ways(
     trajectory: Trajectory, course: tuple[Stretch, ...], contact_of: Callable[[Stretch, float], Contact | None]
 ) -> _Ways:
+    """The straight ways of a course with the turns behind them, and how many come before the loop."""
     ways: list[_Way] = []
     at = 1 if course[0].stays else 0  # it is put down facing its first way, and waits
     while at < len(course):
@@ -211,6 +212,7 @@ def _planned_mm_s(way: _Way) -> int:
 
 
 def _leg(way: _Way, contact: Contact | None, speed_mm_s: int, wheels_m_s: float, slowing: float) -> Leg:
+    """A way as the robot drives it at this speed, with the time that is left over."""
     ahead_m = 0.0 if contact is None else contact.ahead_m
     speed_m_s = speed_mm_s / 1e3
     needed_s = (way.way.length_m + ahead_m) / speed_m_s + _beside_driving_s(way, contact, wheels_m_s)

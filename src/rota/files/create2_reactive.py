@@ -41,6 +41,7 @@ def program_texts(plan: Plan, *, covers: str) -> tuple[str, ...]:
 
 
 def _text(mission: Mission, robot: str, angle_deg: float, turn_m_s: float, covers: str) -> str:
+    """The program of a robot that drives straight and turns at every bump."""
     speed_m_s = min(mission.fleet.robot(robot).speed_m_s, FASTEST_M_S)
     x0, y0, x1, y1 = mission.area.bounds
     longest_s = LONGER * math.hypot(x1 - x0, y1 - y0) / speed_m_s

@@ -64,6 +64,7 @@ def sketch_texts(plan: Plan, *, most_slowing: float = MOST_SLOWING) -> tuple[str
 
 
 def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
+    """The sketch of a robot; PlanError where its legs do not fit into the memory."""
     kinds = {kind: number for number, kind in enumerate(dict.fromkeys(_kind(leg) for leg in drive.legs))}
     needed = LEG_BYTES * len(drive.legs) + KIND_BYTES * len(kinds)
     if needed > MOST_BYTES:

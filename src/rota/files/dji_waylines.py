@@ -113,6 +113,7 @@ def waypoints_of(plan: Plan, trajectory: Trajectory, projection: Projection, dur
 
 
 def _on_globe(robot: str, stops: Sequence[RouteStop], projection: Projection) -> list[Waypoint]:
+    """The stops as waypoints in degrees, with speeds, waits and how early turns begin."""
     places_m = np.array([stop.place_m for stop in stops])
     lon, lat = projection.to_degrees(places_m[:, 0], places_m[:, 1])
     legs_m = np.linalg.norm(np.diff(places_m, axis=0), axis=1)
@@ -166,6 +167,7 @@ def kmz_of(plan: Plan, trajectory: Trajectory, projection: Projection, settings:
 
 
 def _mission_config(waypoints: list[Waypoint], drone: str, stays: bool) -> str:
+    """The block that tells the drone, its take-off height and what it does at the end."""
     kind, subkind = DRONES[drone]
     safe_m = min(max(waypoints[0].height_m, LEAST_TAKEOFF_M), MOST_TAKEOFF_M)
     speed_m_s = max(waypoint.speed_m_s for waypoint in waypoints)
@@ -238,6 +240,7 @@ def _coordinates(waypoint: Waypoint) -> str:
 
 
 def _turn(waypoint: Waypoint) -> str:
+    """How a waypoint is passed: by a curve, or with a stop."""
     mode = PASSING if waypoint.turn_m else STOPPING
     return (
         f"<wpml:waypointTurnParam><wpml:waypointTurnMode>{mode}</wpml:waypointTurnMode>"

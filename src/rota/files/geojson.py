@@ -88,6 +88,7 @@ def _shape(shape: MultiPolygon, to_map: ToMap) -> Json:
 
 
 def _routes(trajectory: Trajectory, to_map: ToMap) -> list[Json]:
+    """The approach, if there is one, and the loop of a robot as features."""
     k = trajectory.loop_index
     routes = []
     if k > 0:

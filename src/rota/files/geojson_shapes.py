@@ -101,6 +101,8 @@ def pick_feature(features: tuple[Feature, ...], name: str, path: Path) -> Featur
 
 
 def _load(path: Path) -> Any:
+    """The JSON value that a file holds; MissionError with line and column for text that is none."""
+
     def refuse(word: str) -> NoReturn:
         raise MissionError(f"{path}: holds {word}; JSON has finite numbers only")
 
@@ -181,6 +183,7 @@ def _polygon(rings: Any) -> Polygon:
 
 
 def _ring(points: Any) -> list[tuple[float, float]]:
+    """The corners of a ring in degrees, each once; MissionError for positions that are none."""
     if not isinstance(points, list):
         raise MissionError("a ring must be a list of positions [longitude, latitude]")
     for point in points:

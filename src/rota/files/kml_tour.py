@@ -50,6 +50,7 @@ def kml_text(plan: Plan, start: datetime = START) -> str:
 
 
 def _add_ground(document: Element, plan: Plan, projection: Projection) -> None:
+    """Add a folder with the area, obstacles and zones."""
     mission = plan.mission
     ground = child(document, "Folder")
     child(ground, "name", "ground")
@@ -69,6 +70,8 @@ def _asked(period_s: float | None) -> str:
 def _add_shape(
     ground: Element, kind: str, name: str, description: str, shape: MultiPolygon, projection: Projection
 ) -> None:
+    """Add a shape with its name and what is asked of it."""
+
     def to_degrees(points_m: Floats) -> Floats:
         lon, lat = projection.to_degrees(points_m[:, 0], points_m[:, 1])
         return np.asarray(np.round(np.column_stack([lon, lat]), GROUND_DIGITS), dtype=np.float64)

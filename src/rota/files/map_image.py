@@ -40,6 +40,7 @@ def read_brightness(path: Path, *, alpha_counts: bool) -> NDArray[np.float64]:
 
 
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
+    """The grey values, 0 to 255, of a PGM image; MissionError for a damaged one."""
     at, header = 2, []
     for field in ("width", "height", "maxval"):
         number = _PGM_NUMBER.match(data, at)
@@ -74,6 +75,7 @@ def _plain_values(path: Path, text: bytes) -> NDArray[np.float64]:
 
 
 def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.float64]:
+    """The grey values, 0 to 255, of a PNG image; MissionError for a damaged one."""
     from PIL import Image
 
     if len(data) >= 24:

@@ -119,6 +119,7 @@ def free_place(path: Path, *, confine_to: Path | None = None) -> tuple[float, fl
 
 
 def _read_sheet(path: Path) -> MapFile:
+    """The YAML file of a ROS map; MissionError with line and column for what is wrong in it."""
     what = "a ROS map_server .yaml file"
     document = parse_text(read_text(path, what), str(path), what)
     try:

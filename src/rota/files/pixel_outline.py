@@ -95,6 +95,7 @@ class _Ring:
 
 
 def _straightened(polygon: Polygon) -> Polygon:
+    """The polygon with stairs of pixels made straight, or itself where no valid one comes of it."""
     rings = [_ring(get_coordinates(ring)[:-1]) for ring in (polygon.exterior, *polygon.interiors)]
     for ring in rings:
         _choose_turns(ring)

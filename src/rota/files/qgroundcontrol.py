@@ -79,6 +79,7 @@ def _item_to_json(number: int, item: Item) -> Json:
 
 
 def _description(plan: Plan, trajectory: Trajectory) -> str:
+    """What the mission file says of itself: whose it is, how long its loop takes, who starts with it."""
     others = ", ".join(t.robot for t in plan.trajectories if t is not trajectory)
     company = f" Planned together with {others}, all starting at the same instant." if others else ""
     loop = (

@@ -92,6 +92,7 @@ class Shape(Block):
 
 
 def _source_faults(data: dict[str, Any], *sources: str) -> Iterator[tuple[Where, str]]:
+    """What is wrong with where a shape comes from: nothing given, or more than one source."""
     given = given_of(data, *sources)
     listed = f"{', '.join(sources[:-1])} or {sources[-1]}"
     if not given:

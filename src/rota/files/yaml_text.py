@@ -178,6 +178,7 @@ def _unreadable(text: str, error: Exception) -> tuple[int, str]:
 
 
 def _checked_json(text: str, name: str) -> str:
+    """The text if it is JSON, with blanks for tabs; MissionError with line and column if not."""
     if not text.strip():
         return ""
     try:
@@ -192,6 +193,7 @@ def _checked_json(text: str, name: str) -> str:
 
 
 def _scalar(text: str) -> Any:
+    """The value of a plain scalar by the core schema of YAML 1.2."""
     if _NULL.fullmatch(text):
         return None
     if _BOOL.fullmatch(text):

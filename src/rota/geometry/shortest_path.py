@@ -73,6 +73,7 @@ class ShortestPaths:
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
+        """Lengths between all corners and, for each pair, the corner before the last, as dijkstra gives them."""
         linked = corner_kernels.bitangents(self._corners, self._corner_part, self.grid)
         one, other = np.nonzero(linked)
         if not len(one):
@@ -192,6 +193,7 @@ class ShortestPaths:
         return lengths_m
 
     def _lengths_by_steps(self, points_m: Floats, step_m: float) -> Floats:
+        """Lengths between many points: short ones are searched, and long ones are sums of those."""
         ends = self._ends(points_m)
         together = (ends.part[:, None] == ends.part[None]) & (ends.part[:, None] >= 0)
         while True:
@@ -232,6 +234,7 @@ class ShortestPaths:
         return _without_corners(Ends(points, self.part_of(points), None, None))
 
     def _ends(self, points_m: Floats) -> Ends:
+        """The points with the corners that each can be led to along a tangent; known ones are remembered."""
         points = _points(points_m)
         part = self.part_of(points)
         if len(self.corners_m) <= FEW_CORNERS:
@@ -279,6 +282,7 @@ class ShortestPaths:
         return path_m
 
     def _polyline(self, points: Floats) -> Floats:
+        """The shortest way through the points in turn; PlanError for points outside or in two parts."""
         part = self.part_of(points)
         for index in np.flatnonzero(part < 0):
             raise PlanError(f"point {points[index].tolist()} lies outside the space where robots can be")

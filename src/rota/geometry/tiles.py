@@ -32,6 +32,7 @@ def few_cornered_boxes(bounds: Box, corners_m: Floats, margin_m: float, most: in
 
 
 def _cut(box: Box, corners_m: Floats, margin_m: float, most: int) -> Iterator[Box]:
+    """Halves of the box until each has at most so many corners near it, or is small."""
     x0, y0, x1, y1 = box
     low, high = np.array([x0, y0]) - margin_m, np.array([x1, y1]) + margin_m
     near = corners_m[((corners_m >= low) & (corners_m <= high)).all(axis=1)]

@@ -96,6 +96,7 @@ class Checkpoint:
 
 
 def _require_steps(state: Checkpoint, robots: int) -> None:
+    """Raise CheckpointError for counts and places that no run comes to."""
     ok = state.steps >= 0 and state.steps_at_rest >= 0 and len(state.recent_m) >= 1 and state.recent_from >= 0
     if not ok:
         raise CheckpointError(f"steps: {state.steps} with {len(state.recent_m)} recent places is not possible")

@@ -61,6 +61,7 @@ class Publishers:
                     publisher.publish(each.data[number * each.size : (number + 1) * each.size])
 
     def _made(self, message: Messages) -> Any:
+        """The publisher of a topic; None where the package of its messages is not installed."""
         from rclpy.qos import DurabilityPolicy, QoSProfile
 
         package, _, name = message.kind.split("/")

@@ -123,6 +123,7 @@ class Player:
         return self._begin_ns + np.round(times_s / self._speed * NS_PER_S).astype(np.int64)
 
     def _marker(self, stamp: int, name: str, colour: tuple[float, float, float], shape: BaseGeometry) -> Any:
+        """The message that shows a shape by its outline, or deletes it when it is empty."""
         kinds, header = self._types.types, header_of(stamp, 2, self._types)
         point, empty = kinds["geometry_msgs/msg/Point"], np.empty(0, np.uint8)
         red, green, blue = colour

@@ -41,6 +41,7 @@ def _at_bends(
     turn_rate_rad_s: float | None,
     change: Callable[[RouteStop, float], RouteStop],
 ) -> tuple[Stops, Stops]:
+    """The stops, each changed by the time in which its robot turns there; none when turns take no time."""
     if turn_rate_rad_s is None:
         return tuple(once), tuple(every_round)
 

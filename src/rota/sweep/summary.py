@@ -100,6 +100,7 @@ def _values(met: Sequence[Row], name: str) -> list[float]:
 
 
 def _summary(rows: list[Row]) -> Summary:
+    """What the runs of one mission and its settings came to."""
     met = [row for row in rows if row["met"]]
     bounds = [row["lower_bound_robots"] for row in rows if row.get("lower_bound_robots") is not None]
     first = rows[0]

@@ -32,6 +32,7 @@ def straightened(plan: Plan, within_m: float) -> Plan:
 
 
 def _straight(trajectory: Trajectory, within_m: float) -> Trajectory:
+    """The trajectory without points that lie within so many metres of the line between others."""
     times_s, positions_m = trajectory.times_s, np.array(trajectory.positions_m)
     kept = kept_samples(times_s.copy(), positions_m, trajectory.loop_index, within_m)
     headings_rad = trajectory.headings_rad

@@ -50,6 +50,7 @@ def document() -> Json:
 
 
 def _described(operation: Operation) -> Json:
+    """An operation as OpenAPI describes it."""
     answer: Json = {"description": HTTPStatus(operation.status).phrase}
     if operation.gives is not None:
         answer["content"] = {operation.kind: {"schema": operation.gives}}

@@ -84,6 +84,7 @@ class JobQueue:
             self._live[job].tell()
 
     async def _run(self, job: str) -> None:
+        """Run a job to its end, note a failure, and start what may run next."""
         live = self._live[job]
         try:
             await self._runner.run(live)

@@ -81,6 +81,7 @@ class WatchDesk:
         return watch
 
     async def _run(self, watch: LiveWatch, asked: Json) -> None:
+        """Watch in a process of its own until it ends, and pass on what it tells."""
         worker = await WorkerProcess.start(self._limits.for_workers("watching", self._data))
         watch.worker = worker
         try:

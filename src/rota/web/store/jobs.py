@@ -44,6 +44,7 @@ def job_again(database: Database, job: str, *, most_queued: int, most: int) -> J
 def _insert(
     database: Database, mission: str, document: Json, files: str, asked: Json, most_queued: int, most: int
 ) -> Json:
+    """Add a job to the queue; Refusal when too many wait or are kept."""
     job = new_id()
     with database.transaction() as cursor:
         count = cursor.execute("SELECT count(*) FROM jobs WHERE state = 'queued'").fetchone()[0]
@@ -130,6 +131,7 @@ def _row(connection: sqlite3.Connection, job: str) -> sqlite3.Row:
 
 
 def _shown(row: sqlite3.Row) -> Json:
+    """A row of the table of jobs as the page is told of it."""
     best = None
     if row["best_robots"] is not None:
         best = {"robots": row["best_robots"], "met": bool(row["best_met"]), "plan": row["best_plan"]}

@@ -78,6 +78,7 @@ def _parsed(name: str, content: bytes) -> Any:
 
 
 def _kind(value: Any) -> str:
+    """What a file of YAML or JSON is, by its keys."""
     if not isinstance(value, dict):
         return "other"
     if "rota" in value or ("area" in value and "fleet" in value):

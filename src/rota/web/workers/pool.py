@@ -69,6 +69,7 @@ class Pool:
                 del self._newest[replaces]
 
     async def _asked(self, message: Json, content: bytes, within_s: float) -> Answer:
+        """The answer of a worker; Refusal when it takes too long, dies or refuses."""
         worker = await self._worker()
         self._busy.add(worker)
         well = False

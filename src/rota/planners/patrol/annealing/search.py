@@ -88,6 +88,7 @@ class Annealing:
             self._room *= 2
 
     def _allocate(self, vertices: int, rng: NDArray[np.uint64]) -> Tours:
+        """Tours without stops, with room for so many and the tables that their moves read."""
         tours, count = self._tours, len(self._samples.x)
         room = vertices + vertices // 2 + self._spare
         slots = room + MOST_TRIED

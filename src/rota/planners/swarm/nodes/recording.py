@@ -234,6 +234,7 @@ class Recorder:
         return replace(mission, fleet=replace(mission.fleet, robots=tuple(robots), start=None))
 
     def _robot_done(self, number: int, life: Life, alive: bool) -> Robot:
+        """The robot with the start and the times of its life as they were recorded."""
         robot = self._robots[number]
         least_s = self._scene.period_ns * 1e-9
         joined_s = robot.joins_s if life.joined_s is None else life.joined_s
@@ -246,6 +247,7 @@ class Recorder:
         return replace(robot, start=life.places_m[0], joins_s=joined_s, leaves_s=left_s)
 
     def _robot_record(self, number: int, end_ns: int) -> RobotRecord:
+        """What was recorded of a robot: its ticks, losses, rate, load and end."""
         life = self._lives[number]
         told_s = (life.last.told_ns - life.first.told_ns) * 1e-9
         end = "left" if life.last.state == LEFT else "runs" if number in self._alive(end_ns) else "silent"

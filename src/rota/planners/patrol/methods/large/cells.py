@@ -49,6 +49,7 @@ def weighed_boxes(shape: BaseGeometry, weights: Floats) -> list[Box]:
 
 
 def _cut(shape: BaseGeometry, box: Box, weights: Floats) -> Iterator[Box]:
+    """Boxes that share the shape out by the weights, by cutting it in halves across its longer side."""
     if len(weights) == 1 or shape.is_empty:
         yield from [box] * len(weights)
         return
