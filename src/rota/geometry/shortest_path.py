@@ -39,9 +39,8 @@ class ShortestPaths:
     to the other. Obstacles that touch in a point leave a way through that point, as the closed space does.
 
     corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
-    c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners they are not
-    made: the links alone are kept, and every question is searched for along them, with the same answers. like: paths in
-    a space that is much the same, whose links are then not looked for again.
+    c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners the links alone
+    are kept, and every question is searched for along them. like: paths in much the same space, whose links are kept.
     """
 
     def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE, like: ShortestPaths | None = None) -> None:
