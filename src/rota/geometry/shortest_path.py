@@ -39,7 +39,7 @@ class ShortestPaths:
     to the other. Obstacles that touch in a point leave a way through that point, as the closed space does.
 
     corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
-    c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners the links alone
+    c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners links alone
     are kept, and every question is searched for along them. like: paths in much the same space, whose links are kept.
     """
 
