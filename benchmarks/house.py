@@ -1,4 +1,4 @@
-"""How large the house is, and how long its tests take."""
+"""How large the house is, and how long its tests take; ``python -m benchmarks.house`` prints lines and knobs."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from benchmarks.row import Options, Row
 
 PROJECT = Path(__file__).parents[1]
 SOURCE = PROJECT / "src" / "rota"
+STUDIES = PROJECT / "studies" / "src"
 PATROL = SOURCE / "planners" / "patrol"
 APART = PATROL / "methods" / "sun2019"
 MOST_PARAMETERS = 8
@@ -58,6 +59,32 @@ def size_below(folder: Path) -> Size:
     return Size(sum(size.lines for size in sizes), sum(size.code for size in sizes))
 
 
+def knobs_of(text: str) -> int:
+    """How many numbers and names of a source may be turned: constants of the module, and fields of settings."""
+    knobs = 0
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            named = [part.id for target in targets for part in ast.walk(target) if isinstance(part, ast.Name)]
+            knobs += sum(name.strip("_").isupper() for name in named)
+        elif isinstance(node, ast.ClassDef) and "Settings" in f"{node.name} {' '.join(map(ast.unparse, node.bases))}":
+            fields = [item for item in node.body if isinstance(item, ast.AnnAssign)]
+            knobs += sum("ClassVar" not in ast.unparse(item.annotation) for item in fields)
+    return knobs
+
+
+def packages() -> dict[str, tuple[int, int]]:
+    """The lines and knobs of each package of Rota, planners by themselves, and of the studies."""
+    sums: dict[str, tuple[int, int]] = {}
+    for file in [*SOURCE.rglob("*.py"), *STUDIES.rglob("*.py")]:
+        parts = file.relative_to(PROJECT).parts[:-1]
+        package = "studies" if parts[0] == "studies" else "/".join(parts[2 : 4 if "planners" in parts else 3]) or "root"
+        lines, knobs = sums.get(package, (0, 0))
+        text = file.read_text()
+        sums[package] = lines + len(text.splitlines()), knobs + knobs_of(text)
+    return dict(sorted(sums.items()))
+
+
 def many_parameters(folder: Path) -> list[str]:
     """The compiled functions that take more parameters than a reader can keep apart."""
     return [
@@ -97,3 +124,16 @@ def suite(_: Options) -> Iterator[Row]:
     told = done.stdout.strip().splitlines()[-1] if done.stdout.strip() else f"exit code {done.returncode}"
     measured = f"{wall_s:.0f} s; {cold_s:.0f} s the time before; {told}"
     yield Row("pytest as make test runs it", f"< {SUITE_S:.0f} s", measured, wall_s < SUITE_S and done.returncode == 0)
+
+
+def main() -> None:
+    """Print each package's lines and knobs, and their sums."""
+    sizes = packages()
+    for package, (lines, knobs) in sizes.items():
+        print(f"{package:<18} {lines:>7,} lines {knobs:>5} knobs")
+    print(f"{'all':<18} {sum(size[0] for size in sizes.values()):>7,} lines", end=" ")
+    print(f"{sum(size[1] for size in sizes.values()):>5} knobs")
+
+
+if __name__ == "__main__":
+    main()
