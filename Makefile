@@ -20,7 +20,7 @@ setup: .venv/ready
 
 demo: setup
 	@mkdir -p out
-	$(BIN)/rota plan examples/harbour.yaml --effort quick -o out/harbour.rota.json
+	$(BIN)/rota plan examples/harbour-copters.yaml --effort quick -o out/harbour.rota.json
 	$(BIN)/rota check out/harbour.rota.json
 	$(BIN)/rota draw out/harbour.rota.json -o out/harbour.png
 	@echo "The plan: out/harbour.rota.json   its picture: out/harbour.png"
@@ -31,10 +31,10 @@ serve: setup
 
 # the README's pictures
 pictures: demo
-	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour.png
+	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour-copters.png
 	$(BIN)/rota animate out/harbour.rota.json -o docs/harbour.gif
-	$(BIN)/rota plan examples/harbour-copters.yaml --effort quick -o out/copters.rota.json
-	$(BIN)/rota draw out/copters.rota.json -o docs/harbour-copters.png
+	$(BIN)/rota plan examples/harbour.yaml --effort quick -o out/at-once.rota.json
+	$(BIN)/rota draw out/at-once.rota.json -o docs/harbour.png
 	$(BIN)/rota plan examples/coast.yaml -o out/coast.rota.json
 	$(BIN)/rota draw out/coast.rota.json -o docs/coast.png
 	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json

@@ -36,7 +36,7 @@ def main() -> None:
 
 def picture_of_editing(page: Page) -> None:
     """The harbour with one zone chosen."""
-    open_example(page, "harbour")
+    open_example(page, "harbour-copters")
     judged(page)
     page.locator(".card[data-kind=zone]").nth(2).get_by_role("button", name="container yard", exact=True).click()
     judged(page)

@@ -36,7 +36,7 @@ def test_axe_finds_nothing(page: Any, width: int) -> None:
             expect(page.locator("body")).to_have_attribute("data-theme", colours)
             found[tab, colours] = violations(page)
     page.get_by_role("button", name="Missions…").click()
-    page.locator("[data-example=harbour]").wait_for()
+    page.locator("[data-example=harbour-copters]").wait_for()
     found["missions", "light"] = violations(page)
     assert found == {name: [] for name in found}
 

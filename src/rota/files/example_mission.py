@@ -44,17 +44,17 @@ zones:
 
 fleet:
   robots: fewest                     # or a number, or a list: [{name: left}, {name: right, speed_m_s: 3}]
-  speed_m_s: 5
-  sensor: {shape: disc, radius_m: 4}     # or {shape: square, side_m: 8}
+  vehicle: arducopter-tuned          # or arducopter (by default parameters), px4, dji, arduplane, agv, turtlebot4,
+                                     # none: presets what is not given. Without one robots change speed at once
+  speed_m_s: 8
+  sensor: {shape: disc, radius_m: 8}     # or {shape: square, side_m: 16}
   body_radius_m: 0                   # how far robots keep from walls and from each other
   turn_rate_rad_s: null              # null: turning takes no time
   turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
-  # vehicle: arducopter              # or arducopter-tuned, px4, dji, arduplane, agv, turtlebot4, none: presets what
-                                     # is not given, the speed, too. Without one robots change speed at once
   # acceleration_m_s2: 2.5           # along the way; corner_acceleration_m_s2 round corners, jerk_m_s3 of its changes
-  # corner_m: 0                      # how far corners may be cut; 0: robots stop there
+  # corner_m: 2                      # how far corners may be cut; 0: robots stop there
   # climb_m_s, descend_m_s, top_airspeed_m_s, wind_m_s
-  altitude_m: 30                     # for exports
+  altitude_m: 15                     # for exports
   start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
   # entrances: [[2, 2]]              # robots are only where they can come to from there; without it anywhere, and on
                                      # a ROS map where they can come to from inside; null: anywhere there, too

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
+import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon, union_all
 
@@ -38,7 +39,9 @@ def corner_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: F
 def _fits(area: MultiPolygon, blocking: tuple[MultiPolygon, ...], radius_m: float) -> bool:
     """Whether a circle of this radius fits into the free space."""
     free = _free(area, blocking)
-    if shapely.distance(shapely.point_on_surface(free), free.boundary) > radius_m:
+    with np.errstate(divide="ignore", invalid="ignore"):  # of ground whose squares float64 cannot hold; that is no room
+        room_m = shapely.distance(shapely.point_on_surface(free), free.boundary)
+    if room_m > radius_m:
         return True
     return not free.buffer(-radius_m).is_empty
 

@@ -113,7 +113,7 @@ def _starts_of_autopilots(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]
     """Starts of vehicles whose firmware is modelled: they fly to a corner of their loop by themselves."""
     for where, block in fleet_blocks(data):
         name = inner(block, "vehicle") or inner(data, "fleet", "vehicle")
-        if name in VEHICLES and VEHICLES[name].formats and inner(block, "start") is not None:
+        if isinstance(name, str) and name in VEHICLES and VEHICLES[name].formats and inner(block, "start") is not None:
             yield (
                 (*where, "start"),
                 f"patrol begins loops of {name} at their corners, where autopilots go first: remove it",

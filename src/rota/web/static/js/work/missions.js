@@ -5,7 +5,7 @@ import { button, byId, el, saveBlob } from "../dom.js";
 import { confirmed, messageOf, notify, notifyError } from "../notices.js";
 import { chosenRoles } from "./features.js";
 
-const FIRST_EXAMPLES = ["harbour", "parcel", "building", "coast"];
+const FIRST_EXAMPLES = ["harbour-copters", "parcel", "building", "coast"];
 const HEAD_BYTES = 4096;
 
 export class Missions extends EventTarget {
