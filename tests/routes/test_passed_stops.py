@@ -177,3 +177,38 @@ def test_what_is_no_parabola_keeps_its_points() -> None:
     )
     places_m = [stop.place_m[:2] for stop in route_of(bent, 0).every_round]
     assert places_m == [(2, 0), (3, 1.5), (3, 3.5), (0, 0)]
+
+
+@pytest.mark.parametrize("turn_deg", [10.0, 90.0, 150.0])
+@pytest.mark.parametrize("phases", [[(1, 0.4)], [(2, 0.25), (3, 0.5)], [(2, 0.2), (2, 0.3), (1, 0.4)]])
+def test_a_curve_whose_acceleration_grows_and_falls_in_phases_is_one_corner(
+    turn_deg: float, phases: list[tuple[int, float]]
+) -> None:
+    """phases: of each how many turns it has, equally long apart, until the middle of the curve."""
+    half = np.radians(turn_deg) / 2
+    speed, there = 5.0, np.array([40.0, 0.0])
+    before, after = speed * np.array([1.0, 0.0]), speed * np.array([np.cos(2 * half), np.sin(2 * half)])
+    # jumps of all phases, up and down, each as great as its number says, and half of its time on either side
+    jumps = [(k + 1.0, apart_s) for k, (count, apart_s) in enumerate(phases) for _ in range(count)]
+    jumps += jumps[::-1]
+    lasts_s = sum(apart_s for _, apart_s in jumps)
+    total = sum(size for size, _ in jumps)
+    at_s, velocity, places, times_s = 0.0, before, [there - 8 * before, there - before * lasts_s / 2], [0.0]
+    times_s.append(8.0 - lasts_s / 2)
+    for size, apart_s in jumps:
+        places += [places[-1] + velocity * apart_s / 2]
+        velocity = velocity + (after - before) * size / total
+        places += [places[-1] + velocity * apart_s / 2]
+        times_s += [times_s[-1] + apart_s / 2, times_s[-1] + apart_s]
+        at_s += apart_s
+    places.append(places[-1] + 8 * after)
+    times_s.append(times_s[-1] + 8)
+    way = Trajectory(
+        robot="a", times_s=np.array(times_s), positions_m=np.array(places), loop_start_s=times_s[-1],
+        accelerations_m_s2=np.zeros(len(times_s) - 1),
+    )  # fmt: skip
+    stops, _ = passed_stops(way)
+    assert [stop.rests for stop in stops] == [True, False, True]
+    np.testing.assert_allclose(stops[1].place_m, there, atol=NEAR_M)
+    assert stops[1].reached_s == pytest.approx(8.0)
+    assert stops[1].top_speed_m_s == pytest.approx(speed)

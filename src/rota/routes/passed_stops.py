@@ -2,7 +2,8 @@
 
 A corner that is cut is a parabola: one acceleration, not along the way, turns the velocity from one straight way to the
 next and leaves the speed as it was. A trajectory gives it as tangents: the velocity turns by equal steps, equally long
-apart, first half of such a time after the parabola's beginning. The corner is where the straight ways meet.
+apart, first half of such a time after the parabola's beginning. The corner is where the straight ways meet. With a jerk
+the acceleration grows and falls again in phases, in the one direction: the steps of each are equal.
 """
 
 from __future__ import annotations
@@ -207,9 +208,10 @@ def _stops(legs: list[_Leg], begin_m: Floats) -> Iterator[PassedStop]:
             i, top = i + waits, 0.0
         elif not _straight_on(leg.direction, after):
             velocity = speed * leg.direction
-            turns = _turns(legs, i, velocity)
+            turns = _turns(legs, i, velocity) or _turns_in_phases(legs, i, velocity)
             apart_s = after.duration_s if turns > 1 else 0.0
-            half_s = (turns - 1) * apart_s / 2  # from the first turn to the corner
+            # from the first turn to the corner
+            half_s = sum(each.duration_s for each in legs[i : i + turns - 1]) / 2 if turns > 1 else 0.0
             corner_m, passed_s = after.begin_m + velocity * half_s, after.begin_s + half_s
             curve_m = speed * (half_s + apart_s / 2)
             yield PassedStop(
@@ -235,3 +237,26 @@ def _turns(legs: list[_Leg], first: int, velocity: Floats) -> int:
         if abs(leg.duration_s - apart_s) > SAME_SPEED * apart_s:
             break
     return found
+
+
+def _turns_in_phases(legs: list[_Leg], first: int, velocity: Floats) -> int:
+    """Likewise of turns in one direction, first growing and then falling as they grew; 0: these legs are no curve."""
+    speed, before, turned_s = float(np.linalg.norm(velocity)), velocity, 0.0
+    direction = legs[first].velocity_m_s - velocity
+    direction = direction / np.linalg.norm(direction)
+    begin_m = legs[first].begin_m
+    for turns, leg in enumerate(itertools.islice(legs, first, None), 1):
+        if leg.length_m == 0:
+            return 0
+        change = leg.velocity_m_s - before
+        along = float(change @ direction)
+        if along <= 0 or np.linalg.norm(change - along * direction) > SAME_SPEED * speed:
+            return 0
+        if abs(leg.speeds_m_s[0] - speed) <= SAME_SPEED * speed:
+            # both straight ways meet in the middle of the time between the first turn and the last
+            meet_m = begin_m + (velocity + leg.velocity_m_s) * turned_s / 2
+            return turns if np.linalg.norm(leg.begin_m - meet_m) <= SAME_SPEED * speed * turned_s else 0
+        if abs(leg.speeds_m_s[1] - leg.speeds_m_s[0]) > SAME_SPEED * speed:
+            return 0
+        before, turned_s = leg.velocity_m_s, turned_s + leg.duration_s
+    return 0
