@@ -98,3 +98,18 @@ def test_an_arc_of_short_legs_takes_what_its_curve_takes() -> None:
     assert track.hardest.acceleration_m_s2 == pytest.approx(2.5, rel=0.05)
     for time_s in np.arange(10.5, times_s[-2] - 0.5, 0.1):
         assert math.dist(track.at(float(time_s)).place_m, (-radius_m, 0.0)) == pytest.approx(radius_m, abs=0.06)
+
+
+def test_a_loop_that_begins_just_before_a_corner_passes_it_as_any_other() -> None:
+    whole = RoundedTrack(SQUARE, 2.5, 1.5)
+    begun = Trajectory(
+        robot="a",
+        times_s=[0, 0.1, 10.1, 20.1, 30.1, 40],
+        positions_m=[[39.6, 0], [40, 0], [40, 40], [0, 40], [0, 0], [39.6, 0]],
+    )
+    track = RoundedTrack(begun, 2.5, 1.5)
+    assert track.hardest.acceleration_m_s2 == pytest.approx(whole.hardest.acceleration_m_s2)
+    for time_s in np.arange(0.05, 85, 0.173):
+        for found, expected in zip(track.at(time_s), whole.at(time_s + 49.9), strict=True):
+            assert found == pytest.approx(expected, abs=1e-9)
+    assert track.at(0.0).place_m == pytest.approx([39.6, 0.0])

@@ -17,6 +17,7 @@ from rota.model.plan import Floats, Trajectory
 
 LEAST_S = 1e-3  # of a rounding: shorter ones are none
 TINY_M_S = 1e-6  # a change of velocity that is none
+SAME = 1e-6  # share by which accelerations of one leg may differ, and m/s2
 
 
 class Moment(NamedTuple):
@@ -38,6 +39,31 @@ def _share(one: float, other: float) -> float:
     return one / (one + other) if one + other > 0 else 0.5
 
 
+def _begun_at_a_corner(way: Trajectory) -> tuple[Trajectory, float]:
+    """The same rounds from the next point on, and how much later they are then told, for one that goes on for ever.
+
+    A loop that begins in the midst of a straight leg has a point there that is no corner, and corners beside it would
+    have only a part of the leg for their rounding. Others are returned as they are.
+    """
+    n, given = len(way.times_s), way.accelerations_m_s2
+    if way.loop_duration_s == 0 or way.loop_index > 0 or n < 4:
+        return way, 0.0
+    first, last = np.diff(way.positions_m[:2], axis=0)[0], np.diff(way.positions_m[-2:], axis=0)[0]
+    lasting, bends = np.diff(way.times_s), way.bends
+    after, before = first / lasting[0] * (1 - bends[0]), last / lasting[-1] * (1 + bends[-1])
+    changes = given is not None and not math.isclose(given[0], given[-1], rel_tol=SAME, abs_tol=SAME)
+    if changes or np.abs(after - before).max() >= TINY_M_S:
+        return way, 0.0
+    times_s = np.append(way.times_s[1:-1] - way.times_s[1], way.loop_duration_s)
+    begun = Trajectory(
+        robot=way.robot,
+        times_s=times_s,
+        positions_m=np.vstack([way.positions_m[1:-1], way.positions_m[1]]),
+        accelerations_m_s2=None if given is None else given[1:],
+    )
+    return begun, way.loop_duration_s - float(way.times_s[1])
+
+
 class RoundedTrack:
     """A robot's trajectory, corners rounded by up to ``corner_m``, with ``acceleration_m_s2`` where that is enough.
 
@@ -45,6 +71,8 @@ class RoundedTrack:
     """
 
     def __init__(self, trajectory: Trajectory, acceleration_m_s2: float, corner_m: float) -> None:
+        self._starts_m = trajectory.positions_m[0]
+        trajectory, self._earlier_s = _begun_at_a_corner(trajectory)
         self._way = trajectory
         self._loop_from = trajectory.loop_index
         times, places = trajectory.times_s, trajectory.positions_m
@@ -107,7 +135,8 @@ class RoundedTrack:
         """Where it is at a moment since the start, in any round, and how it moves; at rest before 0."""
         times, rest = self._way.times_s, np.zeros(self._way.positions_m.shape[1])
         if time_s <= 0 or len(times) == 1:
-            return Moment(self._way.positions_m[0], rest, rest)
+            return Moment(self._starts_m, rest, rest)
+        time_s += self._earlier_s
         last_s, loop_s = float(times[-1]), self._way.loop_duration_s
         again = loop_s > 0 and time_s > last_s
         if again:
