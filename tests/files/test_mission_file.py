@@ -339,16 +339,19 @@ def test_a_cell_of_its_own_goes_before_the_typed_one(tmp_path):
     assert BounceSettings.of(mission).cell_m == 0.25
 
 
-def test_entrances_become_places_in_local_metres(tmp_path):
-    text = BASE.replace("fleet: {", "fleet: {entrances: [[1, 2], [50.5, 30]], ")
+def test_entrances_and_rally_points_become_places_in_local_metres(tmp_path):
+    text = BASE.replace("fleet: {", "fleet: {entrances: [[1, 2], [50.5, 30]], rally_points: [[3, 4.5]], ")
     assert read(tmp_path, text).mission.fleet.entrances == ((1.0, 2.0), (50.5, 30.0))
+    assert read(tmp_path, text).mission.fleet.rally_points == ((3.0, 4.5),)
     assert read(tmp_path, BASE).mission.fleet.entrances is None
+    assert read(tmp_path, BASE).mission.fleet.rally_points == ()
     degrees = BASE.replace("name: yard", "name: yard\ncoordinates: wgs84").replace(
         "[[0, 0], [60, 0], [60, 40], [0, 40]]", "[[11.5, 48.1], [11.501, 48.1], [11.501, 48.1005], [11.5, 48.1005]]"
     )
-    degrees = degrees.replace("fleet: {", "fleet: {entrances: [[11.5002, 48.1001]], ")
-    mission = read(tmp_path, degrees).mission
+    given = "fleet: {entrances: [[11.5002, 48.1001]], rally_points: [[11.5002, 48.1001]], "
+    mission = read(tmp_path, degrees.replace("fleet: {", given)).mission
     ((x, y),) = mission.fleet.entrances
+    assert mission.fleet.rally_points == ((x, y),)
     west, south = mission.area.bounds[:2]
     east_m, north_m = GEOD.inv(11.5, 48.1001, 11.5002, 48.1001)[2], GEOD.inv(11.5002, 48.1, 11.5002, 48.1001)[2]
     assert (x - west, y - south) == pytest.approx((east_m, north_m), abs=1e-3)

@@ -510,9 +510,9 @@ def test_what_cannot_be_written_leaves_the_old_file(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["plan.json"]
 
 
-def test_entrances_travel_with_the_plan_and_plans_without_say_nothing_of_them() -> None:
-    plan = harbour()
-    assert "entrances" not in plan_to_json(plan)["mission"]["fleet"]
-    fleet = dataclasses.replace(plan.mission.fleet, entrances=((1.5, 0.1 + 0.2), (80.0, 1.0)))
+def test_entrances_and_rally_points_travel_with_the_plan_and_plans_without_say_nothing_of_them() -> None:
+    plan, places = harbour(), ((1.5, 0.1 + 0.2), (80.0, 1.0))
+    assert not {"entrances", "rally_points"} & plan_to_json(plan)["mission"]["fleet"].keys()
+    fleet = dataclasses.replace(plan.mission.fleet, entrances=places, rally_points=places[:1])
     entered = dataclasses.replace(plan, mission=dataclasses.replace(plan.mission, fleet=fleet))
     assert plan_from_text(plan_text(entered), "plan.json") == entered

@@ -19,7 +19,7 @@ from tests.links.flight import Flight
 HEARTBEAT_S, REQUEST_S = 0.1, 0.15
 HOME_MM = 475_000  # over sea
 MISSION_MODES = (4 << 16 | 4 << 24, 3)  # of PX4; of ArduPilot's copters
-MISSION, FENCE = mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_FENCE
+MISSION, FENCE, RALLY = mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY
 CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
     | mav.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
@@ -57,7 +57,7 @@ class Autopilot:
 
     port: int
     script: Script
-    items: dict[int, list[Any]] = field(default_factory=lambda: {MISSION: [], FENCE: []})
+    items: dict[int, list[Any]] = field(default_factory=lambda: {MISSION: [], FENCE: [], RALLY: []})
     commands: list[int] = field(default_factory=list)
     modes: list[int] = field(default_factory=list)
     speeds_m_s: list[float] = field(default_factory=list)
@@ -247,7 +247,9 @@ class Autopilot:
         return self._request(len(self._incoming))
 
     def on_mission_clear_all(self, message: Any) -> None:
-        for kind in (MISSION, FENCE) if message.mission_type == mav.MAV_MISSION_TYPE_ALL else (message.mission_type,):
+        for kind in (
+            (MISSION, FENCE, RALLY) if message.mission_type == mav.MAV_MISSION_TYPE_ALL else (message.mission_type,)
+        ):
             self.items[kind] = []
         self._acknowledge(message.mission_type)
 

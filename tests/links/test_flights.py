@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from tests.links.fleets import ALTITUDE_M, loop_of, plan_of, routes_of
 from rota.errors import LinkError
 from rota.links.flights import Flights
 from rota.links.link import Report
+from rota.model.plan import Trajectory
 from rota.routes.route import Place3
 
 PAD = {"a": (0.0, 100.0, 0.0), "b": (3.0, 100.0, 0.0)}
@@ -89,6 +91,17 @@ def test_home_is_in_layers_and_the_lowest_lands_first() -> None:
         ("land", "a", None),
         ("land", "b", None),
     ]
+
+
+def test_the_way_home_by_itself_is_to_the_nearest_rally_point() -> None:
+    copters, told = Copters(), list[str]()
+    ahead = flights(copters, told)
+    copters.home_m = lambda _: (150.0, 300.0, 0.0)  # type: ignore[method-assign]
+    way = Trajectory(robot="a", times_s=[0, 10, 20], positions_m=[[151, 0], [159, 0], [151, 0]], loop_start_s=0)
+    assert ahead.blocked_home(way) > 0.5
+    fleet = replace(ahead._mission.fleet, rally_points=((150.0, -10.0),))
+    near = Flights(copters, replace(ahead._mission, fleet=fleet), told.append)  # type: ignore[arg-type]
+    assert near.blocked_home(way) == 0.0
 
 
 def test_one_that_does_not_get_there_brings_all_home() -> None:

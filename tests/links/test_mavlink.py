@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mav
 from shapely import Polygon
-from tests.links.autopilot import FENCE, MISSION, Autopilot, Script, flying
+from tests.links.autopilot import FENCE, MISSION, RALLY, Autopilot, Script, flying
 from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying, three
 
 from rota.errors import LinkError, PlanError, RotaError
@@ -100,6 +100,40 @@ def test_circles_are_one_item_of_a_fence_and_too_many_corners_are_refused_before
     with flying(Script()) as vehicles:  # PX4 takes them
         with_link(plan, vehicles, sending(plan))
         assert len(held(vehicles[0], FENCE)) == 132
+
+
+def test_rally_points_are_held_told_of_counted_and_taken_away() -> None:
+    plan = plan_of(loop_of("a", 0.0))
+
+    def to(*rally_points: tuple[float, float]) -> Plan:
+        fleet = replace(plan.mission.fleet, rally_points=rally_points)
+        return replace(plan, mission=replace(plan.mission, fleet=fleet))
+
+    async def send_and_ask(link: Any) -> tuple[str, ...]:
+        await sending(two)(link)
+        return await link.by_itself("a")  # type: ignore[no-any-return]
+
+    two, eleven = to((100.0, 50.0), (-20.0, 0.0)), to(*((10.0 * k, 0.0) for k in range(11)))
+    with flying(Script(firmware=ARDUPILOT)) as vehicles:
+        vehicles[0].params.update({"FS_GCS_ENABLE": 1.0, "RTL_ALT": 2000.0, "RALLY_LIMIT_KM": 0.5})
+        told = with_link(two, vehicles, send_and_ask)
+        assert told[0].endswith(
+            "straight, at 20 m or higher, to the nearest of its 2 rally points within 500 m, or else home"
+        )
+        points = vehicles[0].items[RALLY]
+        lon, lat = Projection(plan.mission.origin).to_degrees([100.0, -20.0], [50.0, 0.0])
+        assert [(point.x, point.y) for point in points] == [
+            (round(north * 1e7), round(east * 1e7)) for north, east in zip(lat, lon, strict=True)
+        ]
+        assert {(point.command, point.frame, point.z) for point in points} == {(mav.MAV_CMD_NAV_RALLY_POINT, 3, 25.0)}
+        with pytest.raises(
+            LinkError, match=r"robot a: there are 11 rally points \(fleet.rally_points\); an ArduCopter"
+        ):
+            with_link(eleven, vehicles, sending(eleven))
+        assert held(vehicles[0], RALLY) == []
+        with_link(two, vehicles, sending(two))
+        with_link(plan, vehicles, sending(plan))  # without any of its own
+        assert held(vehicles[0], RALLY) == []
 
 
 def test_a_mission_that_no_ardupilot_holds_is_refused_before_it_is_sent() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,12 @@ from tests.links.fleets import loop_of, plan_of, routes_of
 from tests.links.test_mavlink import with_link
 
 from rota.errors import LinkError
+from rota.files.geodesy import Projection
+from rota.links.air_lead import LATER_S, AirLead, Drag, Gains
 from rota.links.flights import Flights
-from rota.links.link import Order
+from rota.links.link import Order, Report
 from rota.links.link_settings import make_link
+from rota.links.mavlink_targets import Target
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
 from rota.model.plan import Waypoints
@@ -34,7 +38,10 @@ async def started(link: Any) -> None:
     await start_all(link, routes_of(PLAN))
 
 
-def test_targets_lead_along_the_rounded_way_and_a_copter_that_was_not_heard_goes_on_where_it_is() -> None:
+def test_targets_lead_along_the_rounded_way_and_a_copter_that_was_not_heard_goes_on_where_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(AirLead, "step", lambda *_: None)
     track = RoundedTrack(PLAN.trajectories[0], 3.0 / 1.3**2, 1.5)
 
     async def fly(link: Any) -> tuple[float, float]:
@@ -114,6 +121,35 @@ def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() ->
             "if this link is lost, it flies its mission on (FS_OPTIONS 2)",
             "it does not heed its fence (FENCE_ENABLE 0)",
         )
+
+
+def test_targets_are_beside_the_way_by_what_the_air_asks_for() -> None:
+    track = RoundedTrack(PLAN.trajectories[0], 3.0 / 1.3**2, 1.5)
+    projection, heard = Projection(PLAN.mission.origin), Report(robot="a", time_s=0.0, position_m=(0.0, 0.0, 25.0))
+    (lon, _), (lat, further) = projection.to_degrees([0.0, 0.0], [0.0, 1.0])
+    (_, eastern), (_, _) = projection.to_degrees([0.0, 1.0], [0.0, 0.0])
+    metres = 111318.84502145034  # of a degree, as ArduPilot counts
+    counted = np.array([(eastern - lon) * metres * math.cos(math.radians(lat)), (further - lat) * metres])
+    vehicle: Any = SimpleNamespace(heard_s=math.inf, home_height_m=475.0)
+    target = Target(
+        vehicle=vehicle, track=track, projection=projection, origin=(float(lat), float(lon), 475.0), height_m=25.0,
+        ramp_m_s2=1.5, most=1.2, lead=AirLead(Gains(), Drag()), latest=lambda: heard, phase_s=6.0, pace=1.0, _at_s=0.0,
+    )  # fmt: skip
+    behind, most_m = AirLead(Gains(), Drag()), 0.0
+    for k in range(1, 60):
+        heard = replace(heard, position_m=(*track.at(target.phase_s).place_m.tolist(), 25.0))
+        fields = target.step(0.1 * k)
+        assert fields is not None
+        here, then = track.at(6.0 + 0.1 * k), track.at(6.0 + 0.1 * k + LATER_S)
+        behind.step(0.1, then.velocity_m_s, then.acceleration_m_s2 - here.acceleration_m_s2)
+        for (north, east), (x, y) in (
+            (("x", "y"), counted * (here.place_m + behind.off_m)),
+            (("vx", "vy"), here.velocity_m_s + behind.velocity_m_s),
+            (("afx", "afy"), here.acceleration_m_s2 + behind.acceleration_m_s2),
+        ):
+            assert (fields[east], fields[north]) == pytest.approx((x, y), abs=0.01)
+        most_m = max(most_m, float(np.hypot(*behind.off_m)))
+    assert most_m > 0.3
 
 
 def test_targets_are_for_arducopters() -> None:

@@ -56,7 +56,7 @@ def test_every_value_has_a_source_and_every_model_what_it_needs() -> None:
                 assert fact.parameter, (vehicle.name, field.name)
                 assert fact.source, (vehicle.name, field.name)
     assert set(VEHICLES) == {
-        "arducopter", "arducopter-tuned", "px4", "dji", "arduplane", "agv", "turtlebot4", "none",
+        "arducopter", "arducopter-tuned", "arducopter-targets", "px4", "dji", "arduplane", "agv", "turtlebot4", "none",
     }  # fmt: skip
     for name in MODELS:
         assert VEHICLES[name].formats
@@ -67,6 +67,6 @@ def test_every_value_has_a_source_and_every_model_what_it_needs() -> None:
         ):
             model_of(VEHICLES[name])
     with pytest.raises(
-        RotaError, match="--vehicle: 'arudcopter' is not one of 'arducopter', 'arducopter-tuned', 'px4'"
+        RotaError, match="--vehicle: 'arudcopter' is not one of 'arducopter', 'arducopter-tuned', 'arducopter-targets'"
     ):
         vehicle_named("arudcopter")

@@ -58,6 +58,8 @@ fleet:
   start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
   # entrances: [[2, 2]]              # robots are only where they can come to from there; without it anywhere, and on
                                      # a ROS map where they can come to from inside; null: anywhere there, too
+  rally_points: []                   # [[2, 2]]: where copters may land instead of at home, when they return by
+                                     # themselves
 
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude

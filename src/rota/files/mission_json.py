@@ -139,6 +139,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
         "altitude_m": float(fleet.altitude_m),
         "start": _start_to_json(fleet.start),
         **({} if fleet.entrances is None else {"entrances": [list(place) for place in fleet.entrances]}),
+        **({"rally_points": [list(place) for place in fleet.rally_points]} if fleet.rally_points else {}),
     }
 
 
@@ -264,6 +265,7 @@ def _fleet(fields: FleetFields) -> Fleet:
             altitude_m=fields.altitude_m,
             start=_start(fields.start),
             entrances=None if fields.entrances is None else tuple((place[0], place[1]) for place in fields.entrances),
+            rally_points=tuple((place[0], place[1]) for place in fields.rally_points),
         )
 
 

@@ -168,12 +168,17 @@ class FleetBlock(MotionBlock):
         description="robots are only where their bodies can come to from one of these; null: anywhere; absent:"
         " anywhere, and on a ROS map where they can come to from inside or from their starts",
     )
+    rally_points: list[Point] = Field(
+        [], description="where robots that fly may land instead of at home, when they return by themselves"
+    )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """No speed, and no vehicle that has one; sensors that look down from vehicles on the floor."""
+        """No speed, and no vehicle that has one; vehicles on the floor that land, or whose sensors look down."""
         if data.get("speed_m_s") is None and data.get("vehicle") not in WITH_SPEED:
             yield ("speed_m_s",), "is missing; it is required"
+        if data.get("rally_points") and data.get("vehicle") in ON_THE_FLOOR:
+            yield ("rally_points",), f"{data['vehicle']} keeps to the floor, and lands nowhere: remove them"
         for where, block in fleet_blocks({"fleet": data}):
             vehicle, sensor = (inner(block, key) or data.get(key) for key in ("vehicle", "sensor"))
             told = any(inner(block, key) is not None for key in ("vehicle", "sensor"))

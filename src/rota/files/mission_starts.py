@@ -22,6 +22,7 @@ from rota.planning.planner import planner_named
 
 START: Place = ("fleet", "start")
 ENTRANCES: Place = ("fleet", "entrances")
+RALLY_POINTS: Place = ("fleet", "rally_points")
 
 
 class _Written(NamedTuple):
@@ -44,7 +45,7 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
             placed, where = _placed_fewest(fleet, block, to_metres)
         else:
             placed, where = _placed_robots(fleet, block, to_metres)
-        placed = replace(placed, entrances=_entrances(block, to_metres))
+        placed = replace(placed, entrances=_entrances(block, to_metres), rally_points=_rally_points(block, to_metres))
         if (inside := _inside(file)) is not None:
             placed = replace(placed, entrances=entrances_on_map(inside, placed, ground.area, _blocking(ground)))
     except _Misplaced as error:
@@ -54,6 +55,7 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
     )
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
+        where |= {f"fleet.rally_points[{k}]": (*RALLY_POINTS, k) for k in range(len(placed.rally_points))}
         where |= _corner_places(block)
         return fleet, [
             Fault(where[field], f"its corner_m of {message}" if where[field][-1] == "vehicle" else message)
@@ -141,6 +143,10 @@ def _entrances(block: FleetBlock, to_metres: _Metres) -> tuple[tuple[float, floa
     if block.entrances is None:
         return None
     return tuple(to_metres(_Written((*ENTRANCES, k), point)) for k, point in enumerate(block.entrances))
+
+
+def _rally_points(block: FleetBlock, to_metres: _Metres) -> tuple[tuple[float, float], ...]:
+    return tuple(to_metres(_Written((*RALLY_POINTS, k), point)) for k, point in enumerate(block.rally_points))
 
 
 def _points(block: FleetBlock) -> list[_Written]:

@@ -120,6 +120,7 @@ class FleetFields(MotionFields):
     altitude_m: Length
     start: StartFields | None = None
     entrances: Annotated[list[Point], Field(min_length=1)] | None = None
+    rally_points: list[Point] = []
 
 
 class ObstacleFields(_Strict):

@@ -44,14 +44,19 @@ class Flights:
         return layered_ways(self._mission, ends)
 
     def blocked_home(self, trajectory: Trajectory) -> float:
-        """The share of its time, 0 to 1, from which a straight way home crosses what blocks motion."""
+        """The share of its time, 0 to 1, from which a straight way home crosses what blocks motion.
+
+        Home is where it took off, or the rally point that is nearer.
+        """
         home_m = self._link.home_m(trajectory.robot)
         blocking = [obstacle.shape for obstacle in self._mission.obstacles if obstacle.blocks_motion]
         if home_m is None or not blocking:
             return 0.0
         times_s = np.linspace(0.0, float(trajectory.times_s[-1]), LOOKED_FROM)
         from_m = trajectory.at(times_s)[:, :2]
-        ways = shapely.linestrings(np.stack([from_m, np.broadcast_to(home_m[:2], from_m.shape)], axis=1))
+        homes_m = np.array([home_m[:2], *self._mission.fleet.rally_points])
+        far_m = np.hypot(*np.moveaxis(homes_m - from_m[:, None], -1, 0))
+        ways = shapely.linestrings(np.stack([from_m, homes_m[far_m.argmin(axis=1)]], axis=1))
         return float(np.mean(shapely.intersects(ways, shapely.union_all(blocking))))
 
     async def gather(self, routes: Sequence[Route]) -> None:

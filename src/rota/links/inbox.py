@@ -96,11 +96,14 @@ class ReportInbox:
         return "out of order" if last is not None and time_s < last.time_s else None
 
     def begin_later(self, by_s: float) -> None:
-        """Count the time of all reports from so many seconds later; none gets later by rounding than one to come."""
+        """Count the time of all reports from so many seconds later; none gets later by rounding than one to come.
+
+        What waits is dropped: it tells where robots were before, and nothing of how they drive the plan.
+        """
         by_s += ROUNDING_S
         for robot, report in self._latest.items():
             self._latest[robot] = replace(report, time_s=report.time_s - by_s)
-        self._waiting = deque(replace(report, time_s=report.time_s - by_s) for report in self._waiting)
+        self._waiting.clear()
 
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""

@@ -7,13 +7,13 @@ AC_Fence.cpp for FENCE_ENABLE and FENCE_ACTION. PX4: commander_params.c and navi
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rota.links.mavlink_vehicle import MavlinkVehicle
 
 ARDUPILOT_READ = (
     "FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", "FENCE_ENABLE", "FENCE_ACTION", "RTL_ALT", "GUID_TIMEOUT",
-    "WPNAV_ACCEL", "PSC_JERK_XY", "MIS_RESTART",
+    "WPNAV_ACCEL", "PSC_JERK_XY", "MIS_RESTART", "RALLY_LIMIT_KM", "RALLY_INCL_HOME",
 )  # fmt: skip
 PX4_READ = ("NAV_DLL_ACT", "COM_DL_LOSS_T", "GF_ACTION", "RTL_RETURN_ALT")
 GOES_ON_IN_AUTO = 1 << 1  # of FS_OPTIONS: "Continue if in Auto on GCS failsafe"
@@ -35,9 +35,8 @@ NEEDED_FOR_TARGETS = {"WPNAV_ACCEL": 500.0, "PSC_JERK_XY": 20.0}  # at least: wi
 LONGEST_GUIDED_S = 0.5  # of GUID_TIMEOUT: it flies on by the last target for so long
 
 
-async def read_parameters(vehicle: MavlinkVehicle) -> dict[str, float]:
-    """Those of its parameters that tell what it does by itself; without those that it does not have."""
-    names = ARDUPILOT_READ if vehicle.autopilot == "ardupilot" else PX4_READ
+async def read_parameters(vehicle: MavlinkVehicle, names: Iterable[str]) -> dict[str, float]:
+    """Those of its parameters that it has."""
     found: dict[str, float] = {}
     for name in names:
         value = await asyncio.to_thread(_parameter, vehicle, name)
@@ -58,14 +57,20 @@ def _parameter(vehicle: MavlinkVehicle, name: str) -> float | None:
     return None
 
 
-def told_of(vehicle: MavlinkVehicle, has: Mapping[str, float], *, by_targets: bool) -> tuple[str, ...]:
-    """Sentences on what the vehicle does by itself. by_targets: it is driven by them, not by a mission of its own."""
+def told_of(
+    vehicle: MavlinkVehicle, has: Mapping[str, float], *, by_targets: bool, rally_points: int
+) -> tuple[str, ...]:
+    """Sentences on what the vehicle does by itself. by_targets: it is driven by them, not by a mission of its own.
+
+    rally_points: how many it holds.
+    """
     if vehicle.autopilot == "px4":
         return _told_of_px4(has)
-    return (*_told_of_ardupilot(has, by_targets=by_targets), *(_missing(has) if by_targets else ()))
+    told = _told_of_ardupilot(has, by_targets=by_targets, rally_points=rally_points)
+    return (*told, *(_missing(has) if by_targets else ()))
 
 
-def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool) -> Sequence[str]:
+def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool, rally_points: int) -> Sequence[str]:
     action = int(has.get("FS_GCS_ENABLE", 0))
     goes_on = int(has.get("FS_OPTIONS", 0)) & GOES_ON_IN_AUTO and not by_targets
     stops = f"it stops after {has.get('GUID_TIMEOUT', 3.0):g} s and hovers" if by_targets else "it flies its mission on"
@@ -78,11 +83,21 @@ def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool) -> Sequenc
         lost = f"{stops}, and after {after_s:g} s {does} (FS_GCS_ENABLE {action})"
     told = [f"if this link is lost, {lost}"]
     if RETURNS in lost:
-        told[0] += f", straight, at {has.get('RTL_ALT', 1500.0) / 100:g} m or higher"
+        told[0] += f", straight, at {has.get('RTL_ALT', 1500.0) / 100:g} m or higher{_rallies(has, rally_points)}"
     if int(has.get("FENCE_ENABLE", 0)) == 0:
         return [*told, "it does not heed its fence (FENCE_ENABLE 0)"]
     action = int(has.get("FENCE_ACTION", 1))
     return [*told, f"beyond its fence it {ARDUPILOT_OUT.get(action, 'does something')} (FENCE_ACTION {action})"]
+
+
+def _rallies(has: Mapping[str, float], points: int) -> str:
+    """Which of its rally points it returns to, by AP_Rally.cpp of ArduPilot 4.6; empty: to where it took off."""
+    if not points:
+        return ""
+    limit_km = has.get("RALLY_LIMIT_KM", 0.3)
+    near = f" within {limit_km * 1000:g} m" if limit_km > 0 else ""
+    home = " and home" if has.get("RALLY_INCL_HOME", 1) else (", or else home" if near else "")
+    return f", to the nearest of its {points} rally point{'s' * (points > 1)}{near}{home}"
 
 
 def _missing(has: Mapping[str, float]) -> Sequence[str]:

@@ -19,9 +19,11 @@ DEGREES = 1e7  # MAVLink's whole numbers in a degree
 FRAME_GLOBAL = 0
 MOST_ITEMS = 1306  # (2422 + 2132 + 5204 + 9842 - 4) bytes / 15: ArduPilot 4.6, StorageManager.cpp, Copter, 32 KiB
 CENTIMETRE_M = 0.01 + 1e-4  # with what float32 loses at heights of some hundred metres
+MOST_RALLY = 10  # 150 bytes / 15: ArduPilot 4.6, StorageManager.cpp, a Copter's areas on boards with 16 KiB
+RALLY_POINT, FRAME_RELATIVE = 5100, 3
 RELATIVE_ALTITUDE = frozenset({3, 6})  # one frame by two names
-WITH_PLACE = frozenset({WAYPOINT, 17, 22})
-NAMES = {16: "waypoint", 17: "loiter", 22: "take-off", 177: "jump", 178: "speed"}
+WITH_PLACE = frozenset({WAYPOINT, 17, 22, RALLY_POINT})
+NAMES = {16: "waypoint", 17: "loiter", 22: "take-off", 177: "jump", 178: "speed", RALLY_POINT: "rally point"}
 
 Corners = tuple[tuple[int, int], ...]  # 1e-7 degrees of latitude and longitude
 
@@ -96,8 +98,21 @@ def wire_fence(fence: Fence | None, projection: Projection) -> list[WireShape]:
     ]
 
 
-def require_room(robot: str, items: Sequence[WireItem], shapes: Sequence[WireShape]) -> None:
-    """Raise LinkError for a mission or a fence that no ArduCopter has room for; those with little room say so."""
+def wire_rally(route: Route, projection: Projection) -> list[WireItem]:
+    """The route's rally points as items of their own kind of mission, numbered from 0."""
+    if not route.rally_m:
+        return []
+    places = _corners(tuple((x, y) for x, y, _ in route.rally_m), projection)
+    return [
+        WireItem(number, RALLY_POINT, FRAME_RELATIVE, (0.0, 0.0, 0.0, 0.0), *place, height_m)
+        for number, (place, (_, _, height_m)) in enumerate(zip(places, route.rally_m, strict=True))
+    ]
+
+
+def require_room(
+    robot: str, items: Sequence[WireItem], shapes: Sequence[WireShape], rally: Sequence[WireItem] = ()
+) -> None:
+    """Raise LinkError for what no ArduCopter has room for; those with little room say so for missions."""
     points, most_points = sum(len(shape.corners) for shape in shapes), _most(ARDUCOPTER.most_fence_points)
     if len(items) > MOST_ITEMS:
         raise LinkError(
@@ -108,6 +123,11 @@ def require_room(robot: str, items: Sequence[WireItem], shapes: Sequence[WireSha
         raise LinkError(
             f"robot {robot}: its fence has {points} points; an ArduCopter holds at most {most_points}: draw area and"
             " obstacles with fewer corners, or obstacles as circles, which are one point each"
+        )
+    if len(rally) > MOST_RALLY:
+        raise LinkError(
+            f"robot {robot}: there are {len(rally)} rally points (fleet.rally_points); an ArduCopter holds at most"
+            f" {MOST_RALLY}"
         )
 
 
@@ -139,6 +159,14 @@ def item_differences(sent: Sequence[WireItem], held: Sequence[WireItem], autopil
     first, height_m = (1, CENTIMETRE_M) if autopilot == "ardupilot" else (0, 0.0)
     pairs = zip(sent[first:], held[first:], strict=True)
     return [f"item {was.seq}: {told}" for was, have in pairs if (told := _item_difference(was, have, height_m))]
+
+
+def rally_differences(sent: Sequence[WireItem], held: Sequence[WireItem]) -> list[str]:
+    """A sentence for each rally point that differs; ArduPilot keeps their heights as whole metres."""
+    if len(sent) != len(held):
+        return [f"it holds {len(held)} rally points of {len(sent)}"]
+    pairs = zip(sent, held, strict=True)
+    return [told for was, have in pairs if (told := _item_difference(was, have, 1.0))]
 
 
 def _item_difference(was: WireItem, have: WireItem, height_m: float) -> str:

@@ -9,7 +9,7 @@ import asyncio
 import functools
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -19,23 +19,25 @@ from rota.files.mission_items import Autopilot
 from rota.links.inbox import Bounds
 from rota.links.link import Mode, Order
 from rota.links.mavlink_address import addresses
-from rota.links.mavlink_failsafes import read_parameters, told_of
+from rota.links.mavlink_failsafes import ARDUPILOT_READ, PX4_READ, read_parameters, told_of
 from rota.links.mavlink_guided import Guided
+from rota.links.mavlink_held import MISSION, RALLY, as_sent, clear_rally_points, fence_as_sent, read_rally_points
 from rota.links.mavlink_items import (
-    DEGREES,
     WireItem,
-    WireShape,
     fence_differences,
     item_differences,
     item_of,
+    rally_differences,
     require_room,
     shapes_of,
     wire_fence,
     wire_items,
+    wire_rally,
 )
 from rota.links.mavlink_pace import MissionPace
 from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
 from rota.links.reporting import RealTimeLink
+from rota.model.plan import Floats
 from rota.model.planner_settings import Settings, setting
 from rota.routes.route import Place3, Route
 
@@ -88,11 +90,14 @@ class MavlinkLink(RealTimeLink):
         bounds_m: Bounds,
         projection: Projection,
         settings: MavlinkSettings,
+        lags_s: Mapping[str, Floats | None],
     ) -> None:
         super().__init__(tuple(top_m_s), bounds_m, settings.start_time, "mavlink.start_time")
         self._addresses = dict(zip(top_m_s, addresses(settings.address, len(top_m_s)), strict=True))
         self._top_m_s = top_m_s
         self._paces: dict[str, MissionPace] = {}
+        self._rallies: dict[str, int] = {}
+        self._lags_s = lags_s
         self._projection, self._settings = projection, settings
         self._vehicles: dict[str, MavlinkVehicle] = {}
         self._instances: list[Any] = []
@@ -195,34 +200,32 @@ class MavlinkLink(RealTimeLink):
     # ------------------------------------------------------------ routes
 
     async def send_route(self, route: Route) -> None:
-        """Replace the vehicle's mission and its fence; a route without a fence takes the old one away."""
-        from mavsdk.plugins.mission_raw import MissionItem
-
+        """Replace the vehicle's mission, fence and rally points; what the route has none of is taken away."""
         vehicle = self._vehicle(route.robot)
         wired = self._items(route, vehicle)
-        shapes = wire_fence(route.fence, self._projection)
+        shapes, rally = wire_fence(route.fence, self._projection), wire_rally(route, self._projection)
         if vehicle.autopilot == "ardupilot":
-            require_room(route.robot, wired, shapes)
-        items = [
-            MissionItem(
-                item.seq, item.frame, item.command, int(item.seq == 0), 1, *item.params, item.x, item.y, item.z, 0
-            )
-            for item in wired
-        ]
+            require_room(route.robot, wired, shapes, rally)
         raw = vehicle.plugin("mission_raw", "MissionRaw")
-        if items:
-            await vehicle.ask("the mission", raw.upload_mission_async, items)
+        if wired:
+            await vehicle.ask("the mission", raw.upload_mission_async, as_sent(wired, MISSION))
         else:
             await vehicle.ask("clearing the mission", raw.clear_mission_async)
-        self._paces[route.robot] = MissionPace(vehicle, wired, self._top_m_s[route.robot])
+        lags_s = self._lags_s.get(route.robot)
+        self._paces[route.robot] = MissionPace(vehicle, wired, route.once[0], self._top_m_s[route.robot], lags_s)
         geofence = vehicle.plugin("geofence", "Geofence")
         if shapes:
-            await vehicle.ask("the fence", geofence.upload_geofence_async, _fence_data(shapes))
+            await vehicle.ask("the fence", geofence.upload_geofence_async, fence_as_sent(shapes))
         else:
             await vehicle.ask("clearing the fence", geofence.clear_geofence_async)
+        if rally:
+            await vehicle.ask("the rally points", raw.upload_rally_points_async, as_sent(rally, RALLY))
+        else:
+            await clear_rally_points(vehicle)
+        self._rallies[route.robot] = len(rally)
 
     async def differences(self, route: Route) -> tuple[str, ...]:
-        """Download mission and fence, and compare them item by item with what was sent."""
+        """Download mission, fence and rally points, and compare them item by item with what was sent."""
         vehicle = self._vehicle(route.robot)
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         sent, found = self._items(route, vehicle), list[str]()
@@ -231,25 +234,29 @@ class MavlinkLink(RealTimeLink):
             found = item_differences(sent, [item_of(item) for item in read], vehicle.autopilot)
         (raw_fence,) = await vehicle.ask("reading the fence", raw.download_geofence_async)
         shapes = wire_fence(route.fence, self._projection)
-        return (*found, *fence_differences(shapes, shapes_of(raw_fence)))
+        told = rally_differences(wire_rally(route, self._projection), await read_rally_points(vehicle))
+        return (*found, *fence_differences(shapes, shapes_of(raw_fence)), *told)
 
     def _items(self, route: Route, vehicle: MavlinkVehicle) -> list[WireItem]:
         """The mission that the vehicle is to hold."""
         return wire_items(route, self._projection, vehicle.autopilot)
 
     async def clear_route(self, robot: str) -> None:
-        """Take mission and fence away."""
+        """Take mission, fence and rally points away."""
         vehicle = self._vehicle(robot)
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         await vehicle.ask("clearing the mission", raw.clear_mission_async)
         await vehicle.ask("clearing the fence", vehicle.plugin("geofence", "Geofence").clear_geofence_async)
+        await clear_rally_points(vehicle)
 
     # ------------------------------------------------------------ commands
 
     async def by_itself(self, robot: str) -> tuple[str, ...]:
         """As its parameters tell."""
         vehicle = self._vehicle(robot)
-        return told_of(vehicle, await read_parameters(vehicle), by_targets=self.drives_along)
+        names = ARDUPILOT_READ if vehicle.autopilot == "ardupilot" else PX4_READ
+        has = await read_parameters(vehicle, names)
+        return told_of(vehicle, has, by_targets=self.drives_along, rally_points=self._rallies.get(robot, 0))
 
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off, as it says."""
@@ -292,8 +299,14 @@ class MavlinkLink(RealTimeLink):
             await vehicle.command("starting the mission", MISSION_START)
 
     async def _start_in_air(self, vehicle: MavlinkVehicle) -> None:
-        """ArduCopter takes off again wherever it is; so it begins with its first waypoint, and is told the speed."""
+        """ArduCopter takes off again wherever it is; so it begins with its first waypoint, and is told the speed.
+
+        Where its route begins with a wait it waits here: on its mission it would wait for whole seconds, and only once
+        it has come to where it is.
+        """
         pace = self._paces.get(vehicle.robot)
+        if pace is not None:
+            await asyncio.sleep(pace.waits_s - self.time_s)
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         if pace is not None and pace.first is not None:
             await vehicle.ask("its first waypoint", raw.set_current_mission_item_async, pace.first)
@@ -305,6 +318,10 @@ class MavlinkLink(RealTimeLink):
         """By the speed of the leg that it flies, or a pause; nothing for a vehicle whose mission is not from here."""
         if order.robot in self._paces:
             await self._paces[order.robot].keep(order.late_s, order.rate)
+
+    def room_s(self, robot: str) -> float:
+        """What it is behind on the leg that it flies, by its firmware."""
+        return self._paces[robot].lags_s()[1] if robot in self._paces else 0.0
 
     async def pause(self, robot: str) -> None:
         """Hold."""
@@ -320,18 +337,6 @@ class MavlinkLink(RealTimeLink):
         if robot not in self._vehicles:
             raise LinkError(f"robot {robot}: no vehicle has been heard for it")
         return self._vehicles[robot]
-
-
-def _fence_data(shapes: list[WireShape]) -> Any:
-    from mavsdk.plugins.geofence import Circle, FenceType, GeofenceData, Point, Polygon
-
-    def points(shape: WireShape) -> list[Any]:
-        return [Point(lat / DEGREES, lon / DEGREES) for lat, lon in shape.corners]
-
-    kinds = {True: FenceType.INCLUSION, False: FenceType.EXCLUSION}
-    polygons = [Polygon(points(shape), kinds[shape.keeps_in]) for shape in shapes if not shape.radius_m]
-    circles = [Circle(points(shape)[0], shape.radius_m, kinds[shape.keeps_in]) for shape in shapes if shape.radius_m]
-    return GeofenceData(polygons, circles)
 
 
 @functools.cache

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, LOITER_UNLIMITED, WAYPOINT
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_vehicle import MavlinkVehicle
+from rota.model.plan import Floats
+from rota.routes.route import RouteStop
 
 DO_PAUSE_CONTINUE = 193  # MAV_CMD
 CATCH_UP_S = 10.0  # in which it is to make up what it is late by
@@ -39,18 +41,28 @@ def leg_speeds(items: Sequence[WireItem]) -> dict[int, float]:
 
 
 class MissionPace:
-    """One vehicle on its mission. top_m_s: what its robot may drive.
+    """One vehicle on its mission. begins: its first stop. top_m_s: what its robot may drive.
+    lags_s: as ``expected_lags_s`` tells; None: nothing is known.
 
-    first: the number of the first item that is flown after the take-off; None where there is none.
+    first: the number of the first item that is flown once it has gathered, and waited; None where there is none.
     """
 
-    def __init__(self, vehicle: MavlinkVehicle, items: Sequence[WireItem], top_m_s: float) -> None:
+    def __init__(
+        self,
+        vehicle: MavlinkVehicle,
+        items: Sequence[WireItem],
+        begins: RouteStop,
+        top_m_s: float,
+        lags_s: Floats | None = None,
+    ) -> None:
         self._vehicle, self._top_m_s = vehicle, top_m_s
         self._speeds = leg_speeds(items)
         self._numbers = sorted(self._speeds)
+        self._lags_s = lags_s
         # item 0 is home on ArduPilot, which alone is told where to begin
         flown = [item.seq for item in items[1:] if item.command in (WAYPOINT, LOITER_UNLIMITED)]
-        self.first = flown[0] if flown else None
+        self.waits_s = begins.hold_s if begins.speed_m_s is None and len(flown) > 1 else 0.0
+        self.first = flown[self.waits_s > 0] if flown else None
         self._first_m_s = next((item.params[1] for item in items if item.command == DO_CHANGE_SPEED), 0.0)
         self._told: tuple[int, float] | None = None
 
@@ -65,6 +77,8 @@ class MissionPace:
         number = self._waypoint()
         if number is None or self._vehicle.mode != "running":
             return
+        least_s, most_s = self.lags_s()
+        late_s -= min(max(late_s, least_s), most_s)
         if late_s < -EARLY_S and self._vehicle.autopilot == "ardupilot":
             await self._pause(min(-late_s, LONGEST_PAUSE_S))
             return
@@ -80,6 +94,15 @@ class MissionPace:
             return
         await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, speed, -1])
         self._told = (number, speed)
+
+    def lags_s(self) -> tuple[float, float]:
+        """The least and the most by which it is behind the plan on the leg that it flies while all goes well."""
+        number = self._waypoint()
+        if self._lags_s is None or number is None:
+            return 0.0, 0.0
+        leg = self._numbers.index(number) % (len(self._lags_s) - 1)
+        ends_s = self._lags_s[leg : leg + 2]
+        return float(ends_s.min()), float(ends_s.max())
 
     def _waypoint(self) -> int | None:
         """The waypoint that it flies to: its item, or the first one after it."""

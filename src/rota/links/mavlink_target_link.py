@@ -7,11 +7,13 @@ from typing import ClassVar
 
 from rota.errors import LinkError
 from rota.files.geodesy import Projection
+from rota.links.air_lead import GAINS, AirLead, Gains, drag_of, gains_of
 from rota.links.link import Mode, Order
+from rota.links.mavlink_failsafes import read_parameters
 from rota.links.mavlink_guided import CUSTOM_MODE, DO_SET_MODE, GUIDED
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_link import MODES, MavlinkLink, MavlinkSettings
-from rota.links.mavlink_targets import MOST_PACE, Target, TargetStream, most_pace
+from rota.links.mavlink_targets import LEAN_DEG, MOST_PACE, Target, TargetStream, most_pace, top_airspeed_m_s
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.links.rounded_track import RoundedTrack
 from rota.model.plan import Plan
@@ -27,12 +29,15 @@ class MavlinkTargetLink(MavlinkLink):
     def __init__(self, plan: Plan, projection: Projection, settings: MavlinkSettings) -> None:
         fleet = plan.mission.fleet
         tops_m_s = {way.robot: fleet.robot(way.robot).speed_m_s for way in plan}
-        super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings)
+        super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings, {})
         self._altitude_m = fleet.altitude_m
         asked, corner_m = settings.acceleration_m_s2, settings.corner_m
         # rounded more than need be where there is room, so that all can be driven faster than planned for a while
         self._tracks = {way.robot: RoundedTrack(way, asked / MOST_PACE**2, corner_m) for way in plan}
         self._most = {name: most_pace(track, fleet.robot(name), asked) for name, track in self._tracks.items()}
+        tops = {name: top_airspeed_m_s(fleet.robot(name)) for name in tops_m_s}
+        self._drags = {name: drag_of(top, LEAN_DEG) for name, top in tops.items()}
+        self._gains: dict[str, Gains] = {}
         self._stream = TargetStream()
         self._paused_s: dict[str, float] = {}
 
@@ -44,6 +49,7 @@ class MavlinkTargetLink(MavlinkLink):
         await super()._connect(robot)
         if self._vehicle(robot).autopilot != "ardupilot":
             raise LinkError(f"robot {robot}: its autopilot is PX4; way=targets is for ArduCopters (--set way=mission)")
+        self._gains[robot] = gains_of(await read_parameters(self._vehicle(robot), GAINS))
 
     def _items(self, route: Route, vehicle: MavlinkVehicle) -> list[WireItem]:
         return []
@@ -68,6 +74,7 @@ class MavlinkTargetLink(MavlinkLink):
             height_m=self._altitude_m,
             ramp_m_s2=self._settings.acceleration_m_s2 / 2,
             most=self._most[vehicle.robot],
+            lead=AirLead(self._gains[vehicle.robot], self._drags[vehicle.robot]),
             latest=lambda: self.latest(vehicle.robot),
             phase_s=paused_s or 0.0,
             lost=paused_s is not None,

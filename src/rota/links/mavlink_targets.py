@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rota.files.geodesy import Projection
+from rota.links.air_lead import LATER_S, AirLead
 from rota.links.link import Report
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.links.rounded_track import RoundedTrack
@@ -32,20 +33,24 @@ CATCH_UP_S = 5.0  # in which it is to make up what it is late by
 MOST_PACE = 1.3  # of the plan's, however much room there is
 AIR_SHARE = 0.9  # of the airspeed that the wind leaves: the rest holds the way
 DELAY_S = 0.4  # by which a report is older than the target that it belongs to
+LEAN_DEG = 30.0  # at which a copter flies at its top airspeed: ANGLE_MAX, by default
 NEAR_M, FAR_M = 2.0, 6.0  # beside its target by more: its phase goes on more slowly; by so much: not at all
+
+
+def top_airspeed_m_s(robot: Robot) -> float:
+    """Through the air: as its mission tells, or else as an ArduCopter's."""
+    top, usual = robot.motion.top_airspeed_m_s, ARDUCOPTER.top_airspeed_m_s
+    assert usual is not None
+    return usual.value if top is None else top
 
 
 def most_pace(track: RoundedTrack, robot: Robot, acceleration_m_s2: float) -> float:
     """The share of the plan's pace at which a robot can be driven at most: by its corners, and by the air."""
-    top = robot.motion.top_airspeed_m_s
-    if top is None:
-        assert ARDUCOPTER.top_airspeed_m_s is not None
-        top = ARDUCOPTER.top_airspeed_m_s.value
     paces = [MOST_PACE]
     if track.hardest.acceleration_m_s2 > 0:
         paces.append(math.sqrt(acceleration_m_s2 / track.hardest.acceleration_m_s2))
     if track.top_m_s > 0:
-        paces.append(AIR_SHARE * (top - robot.motion.wind_m_s) / track.top_m_s)
+        paces.append(AIR_SHARE * (top_airspeed_m_s(robot) - robot.motion.wind_m_s) / track.top_m_s)
     return min(paces)
 
 
@@ -53,7 +58,7 @@ def most_pace(track: RoundedTrack, robot: Robot, acceleration_m_s2: float) -> fl
 class Target:
     """One vehicle's. origin: degrees and height over sea of its local frame. height_m: where the way has none.
 
-    most: the pace that it can be driven at, as a share of the plan's.
+    most: the pace that it can be driven at, as a share of the plan's. lead: against the air.
     """
 
     vehicle: MavlinkVehicle
@@ -63,6 +68,7 @@ class Target:
     height_m: float
     ramp_m_s2: float
     most: float
+    lead: AirLead
     latest: Callable[[], Report | None]
     phase_s: float = 0.0
     pace: float = 0.0
@@ -80,6 +86,7 @@ class Target:
         report = self.latest()
         if report is None or now_s - self.vehicle.heard_s > SILENT_S:
             self.lost, self.pace = True, 0.0
+            self.lead.begin()
             return None
         if self.lost:
             self.lost = False
@@ -92,18 +99,23 @@ class Target:
         change = min(max(self.wanted * heeded - self.pace, -most), most)
         self.phase_s += (self.pace + change / 2) * passed_s
         self.pace += change
-        return self._fields(change / passed_s if passed_s > 0 else 0.0)
+        return self._fields(passed_s, change / passed_s if passed_s > 0 else 0.0)
 
     def _find(self, report: Report) -> None:
         """Go on from where it is: the moment whose place is nearest."""
         place = np.array(report.position_m[: len(self.track.at(0.0).place_m)])
         self.phase_s = self.track.nearest_s(place, self.phase_s - LOOK_BACK_S, self.phase_s + LOOK_AHEAD_S)
 
-    def _fields(self, pace_change: float) -> dict[str, float]:
-        place, velocity, acceleration = self.track.at(self.phase_s)
-        east, north, up = _in_space(velocity * self.pace)
-        a_east, a_north, a_up = _in_space(acceleration * self.pace**2 + velocity * pace_change)
-        (lon,), (lat,) = self.projection.to_degrees([float(place[0])], [float(place[1])])
+    def _fields(self, passed_s: float, pace_change: float) -> dict[str, float]:
+        here, then = self.track.at(self.phase_s), self.track.at(self.phase_s + LATER_S * self.pace)
+        place, velocity, acceleration = here
+        lead, along = self.lead, velocity * pace_change
+        turned = (then.acceleration_m_s2 - acceleration)[:2] * self.pace**2
+        lead.step(passed_s, then.velocity_m_s[:2] * (self.pace + LATER_S * pace_change), turned)
+        east, north, up = _beside(velocity * self.pace, lead.velocity_m_s)
+        a_east, a_north, a_up = _beside(acceleration * self.pace**2 + along, lead.acceleration_m_s2)
+        x, y, _ = _beside(place, lead.off_m)
+        (lon,), (lat,) = self.projection.to_degrees([x], [y])
         lat0, lon0, sea_m = self.origin
         per_degree = METRES_PER_1E7 * 1e7
         height_m = float(place[2]) if len(place) == 3 else self.height_m
@@ -115,9 +127,10 @@ class Target:
         }  # fmt: skip
 
 
-def _in_space(vector: np.ndarray) -> tuple[float, float, float]:
+def _beside(vector: np.ndarray, by: np.ndarray) -> tuple[float, float, float]:
+    """A vector (2,) or (3,) with a horizontal one added, in space."""
     x, y, *z = vector.tolist()
-    return x, y, z[0] if z else 0.0
+    return x + float(by[0]), y + float(by[1]), z[0] if z else 0.0
 
 
 class TargetStream:

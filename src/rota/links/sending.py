@@ -23,12 +23,17 @@ MAY_MOVE = "it may be on its way"
 
 
 def routes_for(plan: Plan, link: Link) -> tuple[Route, ...]:
-    """A route for each robot of the plan, with a fence where the link's robots keep one and the route leaves room."""
-    routes = (route_of(trajectory, plan.mission.fleet.altitude_m) for trajectory in plan)
+    """A route for each robot of the plan, with what the link's robots keep for flying by themselves.
+
+    That is a fence, where the route leaves room, and the rally points, at the fleet's altitude.
+    """
+    fleet = plan.mission.fleet
+    routes = (route_of(trajectory, fleet.altitude_m) for trajectory in plan)
     if not link.takes_fences:
         return tuple(routes)
     fences = (fence_of(plan.mission, trajectory) for trajectory in plan)
-    return tuple(replace(route, fence=fence) for route, fence in zip(routes, fences, strict=True))
+    rally_m = tuple((x, y, fleet.altitude_m) for x, y in fleet.rally_points)
+    return tuple(replace(route, fence=fence, rally_m=rally_m) for route, fence in zip(routes, fences, strict=True))
 
 
 async def send_all(link: Link, routes: Sequence[Route]) -> None:

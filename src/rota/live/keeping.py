@@ -74,10 +74,10 @@ class Keeping:
             if not _drives(robot):
                 track.forget()
                 continue
-            late_s = self.late_s(robot)
-            track.note(now_s, robot.lag_s)
+            late_s, own_s = self.late_s(robot), room_s.get(robot.name, 0.0)
+            track.note(now_s, robot.lag_s - own_s)
             orders.append((robot.name, late_s))
-            pace, late_s = track.pace(), late_s - room_s.get(robot.name, 0.0)
+            pace, late_s = track.pace(), late_s - own_s
             if pace is not None and pace >= LEAST_RATE * self._most_rate:
                 share = (late_s - EARLY_SHARE * LATE_S) / ((1 - EARLY_SHARE) * LATE_S)
                 rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))

@@ -168,7 +168,8 @@ class Fleet:
     The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
     robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
     ``entrances``: places, (x, y) in metres, one at least. Robots can be only where their bodies can be driven to from
-    one of these; what nobody sees from there is unseeable. None: robots can be wherever a body fits.
+    one of these; what nobody sees from there is unseeable. None: robots can be wherever a body fits. ``rally_points``:
+    places, (x, y) in metres, at which one that flies may land instead of at home, where it returns by itself.
     """
 
     speed_m_s: float
@@ -181,6 +182,7 @@ class Fleet:
     altitude_m: float = 30.0
     start: StartBox | StartPoints | None = None
     entrances: tuple[Place, ...] | None = None
+    rally_points: tuple[Place, ...] = ()
 
     def __post_init__(self) -> None:
         self.equal_robot("robot-1")  # checks the common values
@@ -192,6 +194,7 @@ class Fleet:
         if self.entrances is not None:
             require(len(self.entrances) > 0, "fleet.entrances", self.entrances, "must be at least one place")
             object.__setattr__(self, "entrances", tuple((float(x), float(y)) for x, y in self.entrances))
+        object.__setattr__(self, "rally_points", tuple((float(x), float(y)) for x, y in self.rally_points))
         if self.robots is not None:
             object.__setattr__(self, "robots", tuple(self.robots))  # fleets are hashed, and lists are not
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")

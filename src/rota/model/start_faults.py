@@ -20,10 +20,11 @@ _STARTS_AT_ONCE = 256
 
 
 def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fleet) -> list[tuple[str, str]]:
-    """What is wrong with the fleet's entrances and starts: the field at fault and a message.
+    """What is wrong with the fleet's entrances, rally points and starts: the field at fault and a message.
 
     A body must stand in the area and out of the shapes that block motion, and bodies apart; a box must have room for a
-    centre. Every robot's body must fit into every entrance, and have room to move on from there.
+    centre. Every robot's body must fit into every entrance, and have room to move on from there, and onto every rally
+    point.
     """
     placed: list[tuple[str, Place, float]] = []
     faults: list[tuple[str, str]] = []
@@ -39,6 +40,10 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
         wrong = entrance_fault(entrance, widest_m, area, blocking)
         if wrong is not None:
             faults.append((f"fleet.entrances[{k}]", f"[{entrance[0]:.9g}, {entrance[1]:.9g}] {wrong}"))
+    for k, place in enumerate(fleet.rally_points):
+        wrong = _standing_fault(place, widest_m, area, blocking)
+        if wrong is not None:
+            faults.append((f"fleet.rally_points[{k}]", f"[{place[0]:.9g}, {place[1]:.9g}] {wrong}"))
     for k, robot in enumerate(fleet.robots or ()):
         if robot.start is not None:
             placed.append((f"fleet.robots[{k}].start", robot.start, robot.body_radius_m))

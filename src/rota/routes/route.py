@@ -71,7 +71,8 @@ class Route:
     start_m: where it begins, and the height to which it takes off. The first stop of the loop (one at least) is reached
     from the approach once and from ``closing``, which has the same place, ever after. closing None: the robot stays at
     the loop's only stop. planned: the way itself of a robot whose speed changes along its legs, at constant speeds on
-    shorter ones, for those who drive by a clock; None: straight from stop to stop.
+    shorter ones, for those who drive by a clock; None: straight from stop to stop. rally_m: where it may land, (x, y,
+    height on the way there), when it returns by itself.
     """
 
     robot: str
@@ -80,6 +81,7 @@ class Route:
     loop: tuple[RouteStop, ...]
     closing: RouteStop | None
     fence: Fence | None = None
+    rally_m: tuple[Place3, ...] = ()
     planned: Trajectory | None = field(default=None, compare=False, repr=False)
 
     @property

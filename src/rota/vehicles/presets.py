@@ -45,6 +45,19 @@ ARDUCOPTER_TUNED = replace(
     corner_acceleration_m_s2=Fact(value=10.0, parameter="WPNAV_ACCEL_C", source=_TWICE),
     jerk_m_s3=Fact(value=5.0, parameter="WPNAV_JERK", source="a quarter of " + _RANGE),
 )
+_TARGETS = "rota fly's timed targets, as they ask of a copter (--set acceleration_m_s2=, corner_m=)"
+_TO_SPARE = _TARGETS + ", less what is left to make up time"
+ARDUCOPTER_TARGETS = replace(
+    ARDUCOPTER,
+    name="arducopter-targets",
+    told="an ArduCopter driven by timed targets",
+    formats=(),
+    speed_m_s=Fact(value=8.0, parameter="nine tenths of the airspeed", source=_TO_SPARE),
+    corner_acceleration_m_s2=Fact(value=2.5, parameter="acceleration_m_s2", source=_TO_SPARE),
+    acceleration_m_s2=Fact(value=2.5, parameter="acceleration_m_s2", source=_TO_SPARE),
+    jerk_m_s3=None,
+    corner_m=Fact(value=1.5, parameter="corner_m", source=_TARGETS),
+)
 PX4 = Vehicle(
     name="px4",
     told="a PX4 multicopter by default parameters",
@@ -105,7 +118,20 @@ TURTLEBOT4 = Vehicle(
 )
 NONE = Vehicle(name="none", told="a robot that changes speed at once")
 
-VEHICLES = {each.name: each for each in (ARDUCOPTER, ARDUCOPTER_TUNED, PX4, DJI, ARDUPLANE, AGV, TURTLEBOT4, NONE)}
+VEHICLES = {
+    each.name: each
+    for each in (
+        ARDUCOPTER,
+        ARDUCOPTER_TUNED,
+        ARDUCOPTER_TARGETS,
+        PX4,
+        DJI,
+        ARDUPLANE,
+        AGV,
+        TURTLEBOT4,
+        NONE,
+    )
+}
 
 
 def vehicle_named(name: str, where: str = "--vehicle") -> Vehicle:
