@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import io
+import math
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from tests.links.fleets import three
 
 from rota.command.cli import run
+from rota.command.fly_along import Along
 from rota.files.plan_file import write_plan
+from rota.links.link import Link
 
 
 @pytest.fixture
@@ -73,6 +79,19 @@ def test_what_is_driven_is_kept_in_phase_and_logged(
     assert said in capsys.readouterr().out.splitlines()  # 28.2 s of 60 s
     run(["watch", plan, "--judge", log])
     assert "reports, judged from" in capsys.readouterr().out
+
+
+def test_missions_with_less_slack_than_they_are_kept_in_phase_with_are_told() -> None:
+    made = three()
+    gate = replace(made.mission.zones[0], period_s=28.5)
+    plan = replace(made, mission=replace(made.mission, zones=(gate,)))
+    pace = SimpleNamespace(keeps_phase=True, flies=True, drives_along=False, robots="abc", most_pace=lambda _: math.inf)
+    told = Along(plan, cast("Link", pace), None).told_before()
+    assert told[1] == (
+        "copters on missions of their own go at about 0.98 of it: plan with a period_margin greater by 0.009, or for"
+        " vehicle: arducopter-targets"
+    )
+    assert len(Along(made, cast("Link", pace), None).told_before()) == 1  # 60 s are enough
 
 
 def test_a_fault_of_one_robot_is_an_error_of_the_command(plan: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rota.model.plan import Plan
 
 ROOM = 0.03  # by which robots can be faster than the clock of all
+ON_MISSIONS = 0.98  # of the plan's pace, at which ArduCopter's simulator was kept in phase on missions
 NEWS_EVERY_S = 10.0
 RELEASED = "robots get nothing more from here on, and wait at the last stop that they have, or where they are"
 GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
@@ -51,6 +52,11 @@ class Along(AbstractContextManager["Along"]):
         if (found := self._keeping.least_pace()) is not None:
             pace, name = found
             told.append(f"robots are kept in phase; driven at less than {pace:.3f} of the plan's pace, {name} lapses")
+            if self._link.flies and not self._link.drives_along and pace > ON_MISSIONS:
+                told.append(
+                    f"copters on missions of their own go at about {ON_MISSIONS:g} of it: plan with a period_margin"
+                    f" greater by {pace - ON_MISSIONS:.3f}, or for vehicle: arducopter-targets"
+                )
         if self._keeping.rate < 1:
             slowest = min(self._link.robots, key=self._link.most_pace)
             lapses = self._keeping.lapses_at(self._keeping.rate)
