@@ -35,6 +35,7 @@ def test_what_is_drawn_is_kept_and_undone(page: Any, page_server: Any) -> None:
     new_mission(page)
     assert "Draw the area" in judged(page)
     expect(page.locator("#saved")).to_have_text("nothing to save yet")
+    page.locator("#fleet-form").get_by_label("Sensor's radius (m)").fill("10")  # so that one robot cannot do
     draw_polygon(page, "Area", *SQUARE)
     draw_two(page, "Zone", "Circle", (200, 200), (240, 200))
     draw_two(page, "Obstacle", "Rectangle", (300, 300), (400, 400))
@@ -202,7 +203,7 @@ def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
     fleet.get_by_label("Corners cut by (m)").fill("")
     fleet.get_by_label("Vehicle", exact=True).select_option("")
     kept = document(page)["fleet"]
-    assert kept["speed_m_s"] == 5
+    assert kept["speed_m_s"] == 8
     assert "vehicle" not in kept
     fleet.get_by_label("Vehicle", exact=True).select_option("arducopter")
     page.locator("#tab-plan").click()

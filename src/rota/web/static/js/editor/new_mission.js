@@ -1,4 +1,4 @@
-/** A mission that asks for nothing but an area: its numbers suit a small quadcopter. */
+/** A mission that asks for nothing but an area: for a small copter that exists, with a wide camera. */
 
 /**
  * @param {string} name
@@ -14,7 +14,14 @@ export function newMission(name, onGlobe) {
     obstacles: [],
     period_s: 120,
     zones: [],
-    fleet: { robots: "fewest", speed_m_s: 5, sensor: { shape: "disc", radius_m: 15 }, body_radius_m: 0.3, altitude_m: 30 },
+    fleet: {
+      robots: "fewest",
+      vehicle: "px4",
+      speed_m_s: 8,
+      sensor: { shape: "disc", radius_m: 25 }, // 80 degrees wide, from 30 m above the ground
+      body_radius_m: 0.3,
+      altitude_m: 30,
+    },
     planner: "patrol",
     patrol: { effort: "quick" },
   };
