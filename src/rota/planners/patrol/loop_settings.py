@@ -39,6 +39,7 @@ class BendingSettings:
     """Tours bent by linear programs, one step after another.
 
     longest_leg: legs are cut to at most this share of the reach, so that they can bend wherever it helps.
+    longest_with_slopes: the same of robots with mass, for which every bend takes time.
     deficit_limit: samples that lack a larger share of the reach are not drawn to.
     first_trust, most_trust: share of the reach that vertices may move in the first step, and in any.
     least_trust: the bending ends when the steps become smaller than this share of the reach.
@@ -53,6 +54,7 @@ class BendingSettings:
     """
 
     longest_leg: float = 1.0
+    longest_with_slopes: float = 2.0
     deficit_limit: float = 0.1
     first_trust: float = 0.04
     most_trust: float = 0.1

@@ -169,3 +169,18 @@ def test_vertices_that_hardly_turn_take_no_time_from_the_windows_beside_them() -
         line = driving_of(one).timed(np.vstack([[-40.0, 0.0], [0.0, 0.0], ends, [-40.0, 20.0]]))
         (begun,) = as_trajectories([line], ["r"])
         assert acceleration_violations(begun, one) == []
+
+
+@pytest.mark.parametrize("limits", [{"corner_m": 1.0}, {"corner_m": 1.0, "corner_acceleration_m_s2": 5.0}, {}])
+def test_slopes_are_differences_of_rounds(limits: dict[str, float]) -> None:
+    one, rng = driving_of(robot(20.0, **limits)), np.random.default_rng(3)
+    turns = np.linspace(0, 2 * math.pi, 9)[:-1]
+    ring = np.column_stack([40 * np.cos(turns), 30 * np.sin(turns)]) + rng.uniform(-4, 4, (8, 2))
+    ring = np.insert(ring, 3, ring[2:4].mean(axis=0), axis=0)  # one vertex on a straight way
+    growth, bends = one.slopes(ring)
+    for v, axis in np.ndindex(ring.shape):
+        move = np.zeros_like(ring)
+        move[v, axis] = 0.02
+        ahead, back, here = one.round_m(ring + move), one.round_m(ring - move), one.round_m(ring)
+        assert growth[v, axis] == pytest.approx((ahead - back) / 0.04, abs=1e-4)
+        assert bends[v, axis] == pytest.approx(max(0.0, (ahead + back - 2 * here) / 0.04), abs=1e-4)

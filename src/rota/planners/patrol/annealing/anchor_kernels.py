@@ -40,6 +40,22 @@ def meeting_with(k: int, meets: int, t: Tours) -> int:
 
 
 @noinline
+def new_corner(p: int, x: float, y: float, q: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
+    """Count what a tour sees on the way from its vertex p past a new place to vertex q, if that can be driven."""
+    k = t.tour[p]
+    px, py, qx, qy = t.x[p], t.y[p], t.x[q], t.y[q]
+    trims = (t.blind_m[k], t.blind_m[k])
+    return bool(
+        norm(x - px, y - py) <= most_m
+        and norm(x - qx, y - qy) <= most_m
+        and segment_is_free(px, py, x, y, space)
+        and segment_is_free(x, y, qx, qy, space)
+        and new_leg(px, py, x, y, trims, k, s, t)
+        and new_leg(x, y, qx, qy, trims, k, s, t)
+    )
+
+
+@noinline
 def move_together(
     v: int, x: float, y: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
 ) -> bool:
@@ -60,17 +76,9 @@ def move_together(
             continue
         p, q = t.before[a], t.after[a]
         if p == a:
-            fair = fair and new_leg(x, y, x, y, k, s, t)
+            fair = fair and new_leg(x, y, x, y, (0.0, 0.0), k, s, t)
         else:
-            fair = (
-                fair
-                and norm(x - t.x[p], y - t.y[p]) <= most_m
-                and norm(x - t.x[q], y - t.y[q]) <= most_m
-                and segment_is_free(t.x[p], t.y[p], x, y, space)
-                and segment_is_free(x, y, t.x[q], t.y[q], space)
-                and new_leg(t.x[p], t.y[p], x, y, k, s, t)
-                and new_leg(x, y, t.x[q], t.y[q], k, s, t)
-            )
+            fair = fair and new_corner(p, x, y, q, most_m, space, s, t)
         if not fair:
             undo(unseen, s, t)
             return False

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.annealing.speed_kernels import change_m, has_speeds
 from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.annealing.state_kernels import (
     apart,
@@ -67,6 +68,17 @@ def way_m(p: int, q: int, t: Tours) -> float:
 
 
 @noinline
+def longer_m(p: int, q: int, removed: int, added: int, most_m: float, k: int, t: Tours) -> float:
+    """By how much tour k grows if it leads from vertex p past the new places to q; inf when a leg is too long."""
+    new_m: float = chain_m(p, q, added, most_m, k, t)
+    if new_m == math.inf:
+        return new_m
+    if has_speeds(t):
+        return float(change_m(p, q, removed, added, k, t))
+    return float(new_m - way_m(p, q, t))
+
+
+@noinline
 def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
     """Length, turning included, of a ring of at most three vertices after the change; see ``change_legs``."""
     x, y = t.scratch[0], t.scratch[1]
@@ -112,10 +124,11 @@ def chain_is_free(p: int, q: int, added: int, space: EdgeGrid, t: Tours) -> bool
 @noinline
 def new_chain(p: int, q: int, added: int, k: int, s: Samples, t: Tours) -> bool:
     """Count what the legs from vertex p past the new places to vertex q see, as legs of tour k."""
-    x, y = t.x[p], t.y[p]
+    x, y, paced, blind = t.x[p], t.y[p], has_speeds(t), t.blind_m[k]
     for i in range(added + 1):
         cx, cy = (t.new_x[i], t.new_y[i]) if i < added else (t.x[q], t.y[q])
-        if not new_leg(x, y, cx, cy, k, s, t):
+        trims = (t.trims[i], t.trims[i + 1]) if paced else (blind, blind)
+        if not new_leg(x, y, cx, cy, trims, k, s, t):
             return False
         x, y = cx, cy
     return True

@@ -14,7 +14,10 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
 # arrays of two dimensions
-WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges", "corners"}
+WIDE = {
+    "walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges", "corners",
+    "window",
+}  # fmt: skip
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",

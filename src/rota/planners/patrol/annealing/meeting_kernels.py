@@ -72,7 +72,7 @@ def hub_vertex_near(v: int, t: Tours) -> int:
 def meets_at(k: int, u: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Let petal k begin at vertex u of its hub, passed on leg e of the petal, if that costs at most ``limit``.
 
-    Petals take no time to turn.
+    Petals take no time to turn, and cut no corners.
     """
     a = t.anchor[k]
     p, q = t.before[a], t.after[a]
@@ -98,10 +98,11 @@ def meets_at(k: int, u: int, e: int, limit: float, most_m: float, space: EdgeGri
     unseen = t.unseen[0]
     begin(t)
     if p == a:
-        counted = new_leg(x, y, x, y, k, s, t)
+        counted = new_leg(x, y, x, y, (0.0, 0.0), k, s, t)
     else:
-        counted = new_leg(t.x[e], t.y[e], x, y, k, s, t) and new_leg(x, y, t.x[f], t.y[f], k, s, t)
-        counted = counted and (stays or new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t))
+        counted = new_leg(t.x[e], t.y[e], x, y, (0.0, 0.0), k, s, t)
+        counted = counted and new_leg(x, y, t.x[f], t.y[f], (0.0, 0.0), k, s, t)
+        counted = counted and (stays or new_leg(t.x[p], t.y[p], t.x[q], t.y[q], (0.0, 0.0), k, s, t))
     if counted:
         old_leg(t.slot[a], s, t)
         if p != a:

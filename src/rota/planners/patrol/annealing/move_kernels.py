@@ -14,6 +14,7 @@ from rota.planners.patrol.annealing.chain_kernels import (
     chain_is_free,
     chain_m,
     link,
+    longer_m,
     new_chain,
     old_legs,
     place_legs,
@@ -22,7 +23,6 @@ from rota.planners.patrol.annealing.chain_kernels import (
     replace_vertices,
     short_ring_m,
     take_out,
-    way_m,
 )
 from rota.planners.patrol.annealing.estimate_kernels import (
     gain_at_most,
@@ -31,6 +31,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     note_leg,
     unseen_near,
 )
+from rota.planners.patrol.annealing.speed_kernels import crossed_m, has_speeds, settle
 from rota.planners.patrol.annealing.state import FULL, VERTEX, VERTICES_LEFT, Tours
 from rota.planners.patrol.annealing.state_kernels import (
     apart,
@@ -65,13 +66,14 @@ def change_legs(
     q = p
     for _ in range(removed + 1):
         q = t.after[q]
-    short = t.n[k] + added - removed < 4 and t.costly[k] > 0  # the turning of a short ring is not a sum of its parts
+    paced = has_speeds(t)
+    # the turning of a short ring is not a sum of its parts
+    short = t.n[k] + added - removed < 4 and t.costly[k] > 0 and not paced
     change_m, spare = 0.0, math.inf
     if not short:
-        new_m = chain_m(p, q, added, most_m, k, t)
-        if new_m == math.inf:
+        change_m = longer_m(p, q, removed, added, most_m, k, t)
+        if change_m == math.inf:
             return False
-        change_m = new_m - way_m(p, q, t)
         spare = limit - length_cost(k, change_m, t) + gain_at_most(p, q, added, t)
         if spare < 0:
             return False
@@ -100,7 +102,10 @@ def change_legs(
     keep(t)
     replace_vertices(p, q, removed, added, k, t)
     place_legs(p, np.int64(0), added + 1, t)
-    t.length[k] += change_m
+    if paced:
+        settle(p, q, added, t)
+    else:
+        t.length[k] += change_m
     return True
 
 
@@ -110,7 +115,10 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
     k = t.tour[a]
     b, d = t.after[a], t.after[c]
     change_m = apart(a, c, t) + apart(b, d, t) - apart(a, b, t) - apart(c, d, t)
-    if t.costly[k] > 0:
+    paced = has_speeds(t)
+    if paced:
+        change_m = crossed_m(a, c, t)
+    elif t.costly[k] > 0:
         change_m += corner_at(t.before[a], a, c, t) + corner_at(a, c, t.before[c], t)
         change_m += corner_at(t.after[b], b, d, t) + corner_at(b, d, t.after[d], t)
         change_m -= corner_at(t.before[a], a, b, t) + corner_at(a, b, t.after[b], t)
@@ -130,8 +138,10 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
         return False
     unseen = t.unseen[0]
     begin(t)
-    counted = new_leg(t.x[a], t.y[a], t.x[c], t.y[c], k, s, t) and new_leg(t.x[b], t.y[b], t.x[d], t.y[d], k, s, t)
-    if counted:
+    if not paced:
+        t.trims[:4] = t.blind_m[k]
+    counted = new_leg(t.x[a], t.y[a], t.x[c], t.y[c], (t.trims[0], t.trims[1]), k, s, t)
+    if counted := counted and new_leg(t.x[b], t.y[b], t.x[d], t.y[d], (t.trims[2], t.trims[3]), k, s, t):
         old_leg(t.slot[a], s, t)
         old_leg(t.slot[c], s, t)
     if not counted or length_cost(k, change_m, t) + t.unseen[0] - unseen > limit:
@@ -152,7 +162,12 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
         link(c, a, t)
         link(d, b, t)
         t.slot[c], t.slot[d] = t.tried_new[0], t.tried_new[1]
-    t.length[k] += change_m
+        a, b, c, d = c, d, a, b
+    if paced:
+        settle(a, c, np.int64(0), t)
+        settle(b, d, np.int64(0), t)
+    else:
+        t.length[k] += change_m
     return True
 
 
@@ -160,13 +175,13 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
 def reverse(first: int, last: int, t: Tours) -> None:
     """Turn round the way from vertex ``first`` to vertex ``last``; the caller links its ends."""
     v = first
-    slot_before = t.slot[first]
+    slot_before, cost_before = t.slot[first], t.leg_cost[last]
     while True:
         after = t.after[v]
-        slot = t.slot[v]
+        slot, cost = t.slot[v], t.leg_cost[v]
         t.after[v], t.before[v] = t.before[v], after
-        t.slot[v] = slot_before
-        slot_before = slot
+        t.slot[v], t.leg_cost[v] = slot_before, cost_before
+        slot_before, cost_before = slot, cost
         if v == last:
             return
         v = after
@@ -190,12 +205,11 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
     for i in range(m):
         t.new_x[i], t.new_y[i] = t.x[u], t.y[u]
         u = t.after[u] if ahead <= back else t.before[u]
-    out_m = chain_m(p, q, np.int64(0), most_m, k, t)
-    into_m = chain_m(e, f, m, most_m, to, t)
+    out_m = longer_m(p, q, m, np.int64(0), most_m, k, t)
+    ends = t.trims[0], t.trims[1]
+    into_m = longer_m(e, f, np.int64(0), m, most_m, to, t)
     if out_m == math.inf or into_m == math.inf:
         return False
-    out_m -= way_m(p, q, t)
-    into_m -= way_m(e, f, t)
     gain = unseen_near(t.x[p], t.y[p], t.x[q], t.y[q], t) + gain_at_most(e, f, m, t)
     spare = limit - moved_cost(k, out_m, to, into_m, t) + gain
     if spare < 0:
@@ -209,14 +223,13 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
         if spare < 0:
             return False
         u = t.after[u]
-    if not segment_is_free(t.x[p], t.y[p], t.x[q], t.y[q], space):
-        return False
-    if not chain_is_free(e, f, m, space, t):
+    if not (segment_is_free(t.x[p], t.y[p], t.x[q], t.y[q], space) and chain_is_free(e, f, m, space, t)):
         return False
     unseen = t.unseen[0]
     begin(t)
-    counted = new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t) and new_chain(e, f, m, to, s, t)
-    if counted:
+    if not has_speeds(t):
+        ends = t.blind_m[k], t.blind_m[k]
+    if counted := new_leg(t.x[p], t.y[p], t.x[q], t.y[q], ends, k, s, t) and new_chain(e, f, m, to, s, t):
         old_legs(p, m + 1, s, t)
         old_leg(t.slot[e], s, t)
     if not counted or moved_cost(k, out_m, to, into_m, t) + t.unseen[0] - unseen > limit:
@@ -228,8 +241,12 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
     t.slot[p] = t.tried_new[0]
     put_between(e, f, m, to, t)
     place_legs(e, np.int64(1), m + 1, t)
-    t.length[k] += out_m
-    t.length[to] += into_m
+    if has_speeds(t):
+        settle(p, q, np.int64(0), t)
+        settle(e, f, m, t)
+    else:
+        t.length[k] += out_m
+        t.length[to] += into_m
     return True
 
 

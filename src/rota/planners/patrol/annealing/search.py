@@ -16,6 +16,7 @@ from rota.planners.patrol.annealing.state import FULL, NUMBERS, SLOTS_LEFT, UNSE
 from rota.planners.patrol.annealing.state_kernels import MOST_TRIED, over_budget_costs, set_up, tour_length
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import split_legs, without_repeats
+from rota.planners.patrol.driving.speed_kernels import ROWS
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.tours.tour import (
     Tour,
@@ -116,6 +117,8 @@ class Annealing:
             turn_m=np.array([cost.turn_m for cost in costs]), arc_m=np.array([cost.arc_m for cost in costs]),
             corners=costs[0].table, corner_leg_m=np.array([costs[0].longest_m, costs[0].straight]),
             blind_m=np.array([driving_of(t.robot).blind_m for t in tours]),
+            limits=costs[0].limits, trims=np.zeros(8), window=np.zeros((ROWS, room)),
+            sine=np.zeros(room), speed2=np.zeros(room), leg_cost=np.zeros(room), corner_cost=np.zeros(room),
             costly=np.array([0 if cost.are_free else 1 for cost in costs], dtype=np.int64),
             length_weight=np.asarray(self._length_weight, dtype=np.float64),
             budget_m=self._budget_m.copy(),
@@ -158,7 +161,7 @@ class Annealing:
         while first < moves:
             if should_stop():
                 return False
-            self._take_exact_lengths()
+            self._look_at_corners()
             made = annealing_kernels.anneal(
                 first, min(CHUNK, moves - first), schedule, self._step_m, self._longest_m,
                 self._space, self._samples, self._state,
@@ -170,11 +173,17 @@ class Annealing:
             done(made)
         return True
 
-    def _take_exact_lengths(self) -> None:
-        """Correct the budgets of robots with mass by what the sums of their corners are off, as the tours stand."""
-        state = self._state
-        if not state.corners.size:
+    def _look_at_corners(self) -> None:
+        """Of robots with mass: count anew what is seen where corners are cut, and take lengths from their exact rounds.
+
+        A move looks at its own corners only, and sums of costs are near to exact lengths: budgets make up for the rest.
+        """
+        if not driving_of(self._tours[0].robot).has_mass:
             return
+        if self._state.limits.size:
+            self._tours = self.tours
+            self._state = self._laid_out(self._state.rng)
+        state = self._state
         exact_m = np.array([tour_length_m(tour) for tour in self.tours])
         summed_m = np.array([tour_length(k, state) for k in range(len(exact_m))])
         state.budget_m[:] = self._budget_m - (exact_m - summed_m)

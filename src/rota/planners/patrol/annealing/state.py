@@ -46,10 +46,17 @@ class Tours(NamedTuple):
     period_class: Ints  # the period class
     turn_m: Floats  # metres in the time of a turn by 1 rad
     arc_m: Floats  # the turn radius; 0 where robots turn on the spot
-    corners: Floats  # what corners cost robots with mass, see ``CornerCosts.table``
+    corners: Floats  # what corners cost robots with mass that keep no limits, see ``CornerCosts.table``
     corner_leg_m: Floats  # (2,) the leg of its last column, and what a metre adds of legs that end at no corner
     costly: Ints  # 1 where corners cost anything
-    blind_m: Floats  # of each end of a leg, from where nothing counts as seen: corners are cut there
+    blind_m: Floats  # of a leg's end at a right angle, from where nothing counts as seen: the corner is cut there
+    limits: Floats  # of robots that speed up and brake, see ``speed_kernels.py``; (0,) of others
+    trims: Floats  # metres of legs' ends that see nothing, at the places of a move
+    window: Floats  # the vertices whose speeds are looked at, see there
+    sine: Floats  # by vertex: of half its turn
+    speed2: Floats  # the square of the speed there
+    leg_cost: Floats  # metres at the pace that its leg costs, but for its rounded ends
+    corner_cost: Floats  # those that its corner costs
     length_weight: Floats  # of a metre
     budget_m: Floats
     budget_penalty: Floats  # of a metre over budget

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rota.planners.patrol.annealing.count_kernels import count_leg
+from rota.planners.patrol.annealing.speed_kernels import has_speeds, ring_m, trim_of
 from rota.planners.patrol.annealing.state import (
     ACCEPTED,
     FULL,
@@ -50,6 +51,8 @@ def apart(a: int, b: int, t: Tours) -> float:
 @noinline
 def tour_length(k: int, t: Tours) -> float:
     """Length of tour k in metres, turning included as the metres that take the same time."""
+    if has_speeds(t):
+        return float(ring_m(k, t))
     first = t.anchor[k]
     total, v = 0.0, first
     while True:
@@ -100,20 +103,31 @@ def length_cost(k: int, change_m: float, t: Tours) -> float:
     return t.length_weight[k] * change_m + now - was
 
 
+@compiled
+def trim_at(b: int, t: Tours) -> float:
+    """How much of the legs' ends at vertex b sees nothing: as the corner is, or as at a right angle."""
+    return float(trim_of(t.sine[b], t.speed2[b], t) if has_speeds(t) else t.blind_m[t.tour[b]])
+
+
 @noinline
-def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> bool:
-    """Count what a new leg of tour k sees; it joins the trial. False (and FULL set) when there is no room for it."""
+def new_leg(
+    ax: float, ay: float, bx: float, by: float, trims: tuple[float, float], k: int, s: Samples, t: Tours
+) -> bool:
+    """Count what a new leg of tour k sees; it joins the trial. False (and FULL set) when there is no room for it.
+
+    trims: metres of its ends that see nothing.
+    """
+    trim_a, trim_b = trims
     left, tried = t.ints[SLOTS_LEFT], t.ints[TRIED_NEW]
     if left == 0 or tried == MOST_TRIED:
         t.ints[FULL] = 1
         return False
     slot = t.free_slots[left - 1]
-    blind = t.blind_m[k]
+    blind = trim_a + trim_b
     if blind > 0:
-        length = norm(bx - ax, by - ay)
-        share = 0.5 if length <= 2 * blind else blind / length
-        dx, dy = share * (bx - ax), share * (by - ay)
-        ax, ay, bx, by = ax + dx, ay + dy, bx - dx, by - dy
+        per_m = 1 / max(blind, norm(bx - ax, by - ay))
+        dx, dy = per_m * (bx - ax), per_m * (by - ay)
+        ax, ay, bx, by = ax + trim_a * dx, ay + trim_a * dy, bx - trim_b * dx, by - trim_b * dy
     count = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
     if count < 0:
         t.ints[FULL] = 1
@@ -199,6 +213,7 @@ def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
     t.ints[VERTICES_LEFT] -= 1
     v = t.free_vertices[t.ints[VERTICES_LEFT]]
     t.x[v], t.y[v], t.tour[v] = x, y, k
+    t.leg_cost[v], t.corner_cost[v] = 0.0, 0.0
     t.in_use[t.ints[VERTICES]] = v
     t.place[v] = t.ints[VERTICES]
     t.ints[VERTICES] += 1
@@ -213,6 +228,7 @@ def free_vertex(v: int, t: Tours) -> None:
     k = t.tour[v]
     leave_bucket(v, t)
     t.n[k] -= 1
+    t.length[k] -= t.leg_cost[v] + t.corner_cost[v]
     t.ints[VERTICES] -= 1
     end = t.in_use[t.ints[VERTICES]]
     t.in_use[t.place[v]] = end
@@ -252,10 +268,14 @@ def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
             t.before[v] = v - 1
             t.after[v - 1] = v
         t.after[v], t.before[first] = first, v
+    if has_speeds(t):
+        for k in range(t.n.shape[0]):
+            t.length[k] = ring_m(k, t)
     for v in range(x.shape[0]):
         w = t.after[v]
         begin(t)
-        if not new_leg(t.x[v], t.y[v], t.x[w], t.y[w], t.tour[v], s, t):
+        ends = trim_at(v, t), trim_at(w, t)
+        if not new_leg(t.x[v], t.y[v], t.x[w], t.y[w], ends, t.tour[v], s, t):
             return False
         t.slot[v] = t.tried_new[0]
     for k in range(t.n.shape[0]):

@@ -23,7 +23,7 @@ ARC_SHARE = 1 - 2 / math.pi
 class AtOnce:
     """What a robot without mass can do; see ``Driving``."""
 
-    has_mass = False
+    has_mass = has_slopes = False
     off_m = 0.0
     blind_m = 0.0
 
@@ -32,7 +32,9 @@ class AtOnce:
         self.pace_m_s = robot.speed_m_s
         rate, radius_m = robot.turn_rate_rad_s, robot.turn_radius_m
         turn_m = ARC_SHARE * radius_m if rate is None else robot.speed_m_s / rate
-        self.corner_costs = CornerCosts(turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0)
+        self.corner_costs = CornerCosts(
+            turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0, quarter_turn_m=math.pi / 2 * turn_m
+        )
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
@@ -46,6 +48,10 @@ class AtOnce:
         """The polyline itself; see ``Driving``."""
         legs = np.arange(len(vertices_m))
         return np.vstack([vertices_m, vertices_m[:1]]), np.column_stack([legs, legs + 1]).astype(np.float64)
+
+    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """None are known; see ``Driving``."""
+        raise NotImplementedError
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory, Waypoints
-from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
+from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes, quarter_turn_m
 from rota.planners.patrol.driving.polylines import driven_beside, thinned
 from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
@@ -29,7 +29,7 @@ BLIND = math.sqrt(2)  # see ``Rounded``
 class Auto:
     """What such a copter can do; see ``Driving``."""
 
-    has_mass = True
+    has_mass, has_slopes = True, False
 
     def __init__(self, robot: Robot, model: ArduPilotAuto) -> None:
         self.robot, self.model = robot, model
@@ -42,7 +42,10 @@ class Auto:
         longest_m = LONGEST_REACHES * robot.sensor.reach_m
         table = corner_table(longest_m, robot.speed_m_s, self.pace_m_s, *self.model.closed_form)
         straight = self.pace_m_s / robot.speed_m_s - 1
-        self.corner_costs = CornerCosts(turn_m=0.0, arc_m=0.0, table=table, longest_m=longest_m, straight=straight)
+        self.corner_costs = CornerCosts(
+            turn_m=0.0, arc_m=0.0, table=table, longest_m=longest_m, straight=straight,
+            quarter_turn_m=quarter_turn_m(self, longest_m),
+        )  # fmt: skip
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
@@ -54,6 +57,10 @@ class Auto:
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
         return driven_beside(vertices_m, self._rows)
+
+    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """None are known; see ``Driving``."""
+        raise NotImplementedError
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round, which begins and ends as the leg from the first corner begins."""

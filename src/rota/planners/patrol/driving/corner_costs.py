@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -29,14 +28,23 @@ class Timing(Protocol):
         ...
 
 
-def pace_on_lanes(timing: Timing) -> float:
-    """The speed of a robot on lanes of ten reaches, two reaches apart, with a right angle at either end of each."""
-    reach_m = timing.robot.sensor.reach_m
-    lane_m, swath_m = LANE_REACHES * reach_m, 2 * reach_m
+def pace_on_lanes(timing: Timing, lane_m: float | None = None) -> float:
+    """The speed of a robot on lanes two reaches apart, with a right angle at either end of each.
+
+    lane_m: how long the lanes are; None: ten reaches.
+    """
+    swath_m = 2 * timing.robot.sensor.reach_m
+    lane_m = LANE_REACHES / 2 * swath_m if lane_m is None else lane_m
     ends = np.tile([[0.0, 0.0], [lane_m, 0.0], [lane_m, swath_m], [0.0, swath_m]], (LANES, 1))
     ends[:, 1] += np.repeat(np.arange(LANES), 4) * 2 * swath_m
     legs_m = np.hypot(*(np.roll(ends, -1, axis=0) - ends).T)
     return timing.pace_m_s * float(legs_m.sum()) / timing.round_m(ends)
+
+
+def quarter_turn_m(timing: Timing, leg_m: float) -> float:
+    """Metres that a right angle between legs of this length adds to what they take at full speed."""
+    square = leg_m * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    return timing.round_m(square) / 4 - leg_m * timing.pace_m_s / timing.robot.speed_m_s
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,29 +54,23 @@ class CornerCosts:
     turn_m: for each radian. arc_m: the turn radius; what tight corners add on arcs is ``at_once.spool_m``. table:
     (a, l) of a robot with mass, by the sharpness of the corner and the length of each leg beside it, see
     ``rounded_kernels.corner_table``; (0, 0) without one. longest_m: the leg of its last column; longer ones cost as
-    much. straight: what a metre of a leg adds that ends at no corner.
+    much. straight: what a metre of a leg adds that ends at no corner. limits: of robots whose speeds annealing finds by
+    itself, in the order of ``speed_kernels``; (0,) of others. quarter_turn_m: what a right angle between long legs
+    costs, beside what these are long.
     """
 
     turn_m: float
     arc_m: float
     table: Floats
     longest_m: float
+    quarter_turn_m: float
     straight: float = 0.0
-
-    @property
-    def quarter_turn_m(self) -> float:
-        """What a right angle between long legs costs, beside what these are long."""
-        if not self.table.size:
-            return math.pi / 2 * self.turn_m
-        row = math.sqrt(0.5) * (len(self.table) - 1)
-        return 2 * float(
-            np.interp(row, np.arange(len(self.table)), self.table[:, -1] - self.straight * self.longest_m / 2)
-        )
+    limits: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def are_free(self) -> bool:
         """Whether corners cost nothing."""
-        return self.turn_m == 0 and not self.table.size
+        return self.turn_m == 0 and not self.table.size and not self.limits.size
 
 
 def no_table() -> Floats:

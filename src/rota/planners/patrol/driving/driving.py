@@ -24,14 +24,16 @@ class Driving(Protocol):
     """What a robot can do. Times are told as the metres that it travels in them at its pace.
 
     pace_m_s: about its speed on its rounds, so that a metre of a usual round costs a metre; full speed without mass.
-    has_mass: speeds take time to change. corner_costs: what corners add, for compiled loops; sums of them are near to
-    ``round_m``, which is exact. off_m: how far from its polyline it drives at most, where it cuts corners. blind_m: of
-    each end of a leg, from where a search counts nothing as seen, since the corner is cut.
+    has_mass: speeds take time to change. has_slopes: ``slopes`` tells what moves of vertices cost. corner_costs:
+    what corners add, for compiled loops; sums of them are near to ``round_m``, which is exact. off_m: how far from its
+    polyline it drives at most, where it cuts corners. blind_m: of a leg's end at a right angle, from where a search
+    counts nothing as seen, since the corner is cut.
     """
 
     robot: Robot
     pace_m_s: float
     has_mass: bool
+    has_slopes: bool
     corner_costs: CornerCosts
     off_m: float
     blind_m: float
@@ -44,6 +46,14 @@ class Driving(Protocol):
         """The way (m + 1, 2) of one round of a closed polyline (n, 2), and beside what each of its chords lies.
 
         That is told (m, 2) in legs from the first vertex on, from where to where; a chord is beside one leg.
+        """
+        ...
+
+    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """What a round of a closed polyline (n, 2) costs more for each metre that a vertex moves along an axis.
+
+        Twice (n, 2) in metres: as it grows with the move, and whichever way it goes, as bends of straight ways do. Only
+        where ``has_slopes``.
         """
         ...
 

@@ -9,9 +9,15 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.planners.patrol.driving import rounded_kernels as kernels
-from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes
-from rota.planners.patrol.driving.corner_table_kernels import corner_table
+from rota.planners.patrol.driving.corner_costs import (
+    LONGEST_REACHES,
+    CornerCosts,
+    no_table,
+    pace_on_lanes,
+    quarter_turn_m,
+)
 from rota.planners.patrol.driving.polylines import driven_beside, thinned
+from rota.planners.patrol.driving.speed_kernels import BESIDE, ROWS, slopes
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 
 Floats = NDArray[np.float64]
@@ -19,6 +25,7 @@ Floats = NDArray[np.float64]
 SLOWER, GENTLER = 1 - 1e-6, 1 - 1e-3  # of full speed and of the limits, so that rounding never shows as more
 OFF_M = 0.05  # that the chords of a rounded corner may be off a motion that keeps the limits, see check.acceleration
 SLOWEST_M_S = 1e-3  # slower is at rest
+SLOPE_M = 0.02  # by which vertices are moved to see what moves cost
 STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
 BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its legs, one sees as much outwards
 
@@ -26,7 +33,7 @@ BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its
 class Rounded:
     """What a robot with mass can do; see ``Driving``."""
 
-    has_mass = True
+    has_mass = has_slopes = True
 
     def __init__(self, robot: Robot) -> None:
         motion = robot.motion
@@ -48,9 +55,12 @@ class Rounded:
         self.pace_m_s = robot.speed_m_s
         self.pace_m_s = pace_on_lanes(self)
         longest_m = LONGEST_REACHES * robot.sensor.reach_m
-        table = corner_table(longest_m, self.pace_m_s, self.limits)
-        straight = self.pace_m_s / self.limits.speed_m_s - 1
-        self.corner_costs = CornerCosts(turn_m=0.0, arc_m=0.0, table=table, longest_m=longest_m, straight=straight)
+        top_m_s, along_m_s2, across_m_s2, jerk_m_s3, cut_m, turn_s = self.limits
+        limits = [top_m_s**2, along_m_s2, across_m_s2, cut_m, along_m_s2 / jerk_m_s3, turn_s, self.pace_m_s]
+        self.corner_costs = CornerCosts(
+            turn_m=0.0, arc_m=0.0, table=no_table(), longest_m=longest_m,
+            quarter_turn_m=quarter_turn_m(self, longest_m), limits=np.array(limits),
+        )  # fmt: skip
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
@@ -69,6 +79,15 @@ class Rounded:
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         return _line(self._rows(vertices_m))
+
+    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+        """What moves of vertices cost; see ``Driving``."""
+        ring = np.zeros((ROWS, len(vertices_m)))
+        ring[:2] = vertices_m.T
+        growth, bends = np.zeros_like(vertices_m), np.zeros_like(vertices_m)
+        if len(vertices_m) > 2:
+            slopes(ring, np.zeros((ROWS, 2 * BESIDE + 1)), self.corner_costs.limits, SLOPE_M, growth, bends)
+        return growth, bends
 
     def _rows(self, corners_m: Floats) -> Floats:
         return np.asarray(kernels.timed_rows(corners_m, True, self.step_s, self.limits))

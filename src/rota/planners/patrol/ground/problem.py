@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +16,7 @@ from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_wal
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
 from rota.model.motion_limits import weakest
+from rota.planners.patrol.driving.corner_costs import pace_on_lanes
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.limits_of_sight import limit_points
@@ -106,6 +108,14 @@ class Problem:
     def pace_m_s(self) -> float:
         """Its robot's usual speed, see ``Driving``."""
         return driving_of(self.robot).pace_m_s
+
+    def lanes_m(self, ground_m2: float) -> float:
+        """Metres at the pace of perfect lanes over a square of this ground; with mass, their ends cost time."""
+        driving, length_m = driving_of(self.robot), ground_m2 / self.swath_m
+        if not driving.has_slopes or ground_m2 == 0:
+            return length_m
+        lane_m = math.sqrt(ground_m2)
+        return length_m * (1 + self.swath_m / lane_m) * driving.pace_m_s / pace_on_lanes(driving, lane_m)
 
     @property
     def swath_m(self) -> float:

@@ -83,7 +83,7 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
         )
         alike_m = sum(tour_length_m(other) for other in tours if other.period_class == tour.period_class)
         share = own_m / alike_m if alike_m > 0 else 1.0
-        ideal_m.append(max(0.01 * own_m, share * ground_m2 / problem.swath_m))
+        ideal_m.append(max(0.01 * own_m, share * problem.lanes_m(ground_m2)))
     return ideal_m
 
 

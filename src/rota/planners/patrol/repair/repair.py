@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
 from rota.planners.patrol.ground.limits_of_sight import drawn_to_border
@@ -239,6 +240,10 @@ def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
     bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
+    if bending.some_far and driving_of(problem.robot).has_slopes:  # detours are dear: moves make them shorter first
+        tours = see_the_rest(context, tours, points, samples, seed=seed)
+        tours = tightened(context, tours, samples, seed=seed)
+        bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
         bending.hand_over(settings.bending_steps, should_stop=context.should_stop)

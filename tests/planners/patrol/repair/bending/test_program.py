@@ -53,7 +53,8 @@ def test_as_good_as_with_every_limit(seed: int) -> None:
     )
 
     assert step is not None
-    budgets, lengths_m = length_rows(layout, places_m), layout.lengths_m(places_m)
+    (budgets, bends), lengths_m = length_rows(layout, places_m), layout.lengths_m(places_m)
+    assert not bends.nnz
     left_m = layout.budget_m * 0.99 - lengths_m
     moves_m = step.moves_m.ravel()
     assert (np.abs(moves_m) <= np.where(np.repeat(fixed, 2), 0.0, TRUST_M) + 1e-9).all()

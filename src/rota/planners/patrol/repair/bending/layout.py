@@ -39,8 +39,15 @@ class Layout:
     counts: Floats
     budget_m: Floats
 
+    @property
+    def has_slopes(self) -> bool:
+        """Whether lengths are exact, corners included: the tours' robots know how these change with every move."""
+        return all(driving_of(tour.robot).has_slopes for tour in self.tours)
+
     def lengths_m(self, places_m: Floats) -> Floats:
-        """Length (k,) of each tour with its vertices at these places (n, 2)."""
+        """Length (k,) of each tour with its vertices at these places (n, 2); without corners but for ``has_slopes``."""
+        if self.has_slopes:
+            return np.array([tour_length_m(tour) for tour in self.tours_at(places_m)])
         legs_m = np.hypot(*(places_m[self.end] - places_m[self.start]).T)
         return np.asarray(np.bincount(self.tour, weights=legs_m, minlength=len(self.tours)), dtype=np.float64)
 
@@ -102,7 +109,7 @@ def cut_legs(vertices_m: Floats, longest_m: float) -> tuple[Floats, Floats]:
 def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
     """How often each tour (k,) counts in each budget, and that: of each tour alone, each round of a nest and all.
 
-    What corners add is taken from the budgets.
+    What corners add is taken from the budgets, but for ``Layout.has_slopes``.
     """
     for hub, *petals in nests(tours):
         whole = np.zeros(len(tours))
@@ -118,7 +125,7 @@ def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
 
 def corners_m(tour: Tour) -> float:
     """What corners add to a tour of a robot with mass: a step that moves them a little hardly changes it."""
-    if not driving_of(tour.robot).has_mass:
+    if not driving_of(tour.robot).has_mass or driving_of(tour.robot).has_slopes:
         return 0.0
     legs_m = np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T)
     return tour_length_m(tour) - float(legs_m.sum())

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
@@ -46,19 +47,20 @@ def best_step(
     """
     n, b = len(places_m), len(layout.budget_m)
     moved = moves_of(layout, fixed)
-    by_tour = length_rows(layout, places_m)
+    by_tour, bent_by = length_rows(layout, places_m)
     lengths_m = layout.lengths_m(places_m)
     budgets = csr_array(csr_array(layout.counts) @ by_tour)
+    bends = csr_array(csr_array(layout.counts) @ bent_by)
     left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
     most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
     used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
     # a variable is the difference of two numbers that are not negative, so that its size has a price
-    hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
+    longer_m, shorter_m = (used + bends, bends - used) if bends.nnz else (used, -used)
+    hard = [[longer_m, shorter_m, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
     longer = settings.length_weight * (by_tour @ moved).sum(axis=0)
+    moving = settings.move_weight + settings.length_weight * bent_by.sum(axis=0)
     program = GrowingProgram(
-        np.concatenate(
-            [settings.move_weight + longer, settings.move_weight - longer, np.full(b, settings.budget_penalty)]
-        ),
+        np.concatenate([moving + longer, moving - longer, np.full(b, settings.budget_penalty)]),
         np.concatenate([most_m, most_m, np.full(b, np.inf)]),
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
@@ -95,14 +97,28 @@ def moves_of(layout: Layout, fixed: Flags) -> csr_array:
     return csr_array(kron(one_axis, eye_array(2)))
 
 
-def length_rows(layout: Layout, places_m: Floats) -> csr_array:
-    """By how much each tour (k, 2n) grows for each metre that a vertex moves along an axis."""
+def length_rows(layout: Layout, places_m: Floats) -> tuple[csr_array, csr_array]:
+    """By how much each tour (k, 2n) grows for each metre that a vertex moves along an axis, and whichever way it moves.
+
+    Robots that know the slopes of their times have these; others metres of way, which bends do not lengthen at first.
+    """
+    n = len(places_m)
+    shape = len(layout.tours), 2 * n
+    if layout.has_slopes:
+        growth, bends = np.zeros((n, 2)), np.zeros((n, 2))
+        for k, tour in enumerate(layout.tours):
+            own = layout.start[layout.tour == k]
+            growth[own], bends[own] = driving_of(tour.robot).slopes(places_m[own])
+        of_vertex = np.empty(n, dtype=np.int64)
+        of_vertex[layout.start] = layout.tour
+        where = np.repeat(of_vertex, 2), np.arange(2 * n)
+        return csr_array((growth.ravel(), where), shape=shape), csr_array((bends.ravel(), where), shape=shape)
     along = places_m[layout.end] - places_m[layout.start]
     along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
     rows = np.concatenate([layout.tour] * 4)
     columns = np.concatenate([2 * layout.end, 2 * layout.end + 1, 2 * layout.start, 2 * layout.start + 1])
     values = np.concatenate([along[:, 0], along[:, 1], -along[:, 0], -along[:, 1]])
-    return coo_array((values, (rows, columns)), shape=(len(layout.tours), 2 * len(places_m))).tocsr()
+    return coo_array((values, (rows, columns)), shape=shape).tocsr(), csr_array(shape)
 
 
 def range_rows(

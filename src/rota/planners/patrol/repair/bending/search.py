@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rota.geometry.free_space import border_segments
 from rota.geometry.kernels import free_segments
 from rota.model.mission import DiscSensor
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand
@@ -60,7 +61,8 @@ class Bending:
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
-        self._layout, self._places_m = laid_out(tours, settings.longest_leg * self._reach_m)
+        longest = settings.longest_with_slopes if driving_of(problem.robot).has_slopes else settings.longest_leg
+        self._layout, self._places_m = laid_out(tours, longest * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
         self._cost = self._cost_of(self._places_m, self._sightings)
