@@ -150,7 +150,7 @@ def monitoring() -> Plan:
 
 def covering() -> Plan:
     """One bouncing robot that goes round a floor of 3 x 2 cells by turns of 90 degrees at the walls."""
-    robot = Robot(name="a", speed_m_s=0.5, sensor=DiscSensor(radius_m=0.5), body_radius_m=0.2)
+    robot = Fleet(speed_m_s=0.5, sensor=DiscSensor(radius_m=0.5), body_radius_m=0.2).equal_robot("a")
     mission = Mission(
         name="floor",
         area=box(0, 0, 3, 2),

@@ -7,7 +7,7 @@ class RotaError(Exception):
     """Base of every error that Rota raises on purpose."""
 
 
-class MissionError(RotaError):
+class MissionError(RotaError, ValueError):
     """A mission that cannot be used: the message names the place, the value and what is allowed.
 
     ``faults`` holds one line per fault, since a reader wants them all at once.

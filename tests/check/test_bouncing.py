@@ -211,7 +211,7 @@ def in_a_room(places: object, angle_deg: float = 90.0, headings_rad: object = No
 
     Where a place comes twice it stands for a second.
     """
-    robot = Robot(name="a", speed_m_s=1.0, sensor=DiscSensor(radius_m=1), body_radius_m=0.5)
+    robot = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1), body_radius_m=0.5).equal_robot("a")
     mission = Mission(
         name="room",
         area=box(0, 0, 10, 10),

@@ -142,7 +142,7 @@ def test_a_place_in_the_niche_alone_asks_for_the_niche_alone() -> None:
         ((14.2, 5.4), r"fleet.entrances\[0\]: \[14.2, 5.4\] lies in an obstacle"),
         ((-1.0, 5.0), r"fleet.entrances\[0\]: \[-1, 5\] lies 1 m outside the area"),
         ((0.2, 5.0), r"fleet.entrances\[0\]: \[0.2, 5\] is 0.2 m from the area's border; a body of radius 0.3 m"),
-        ((math.nan, 5.0), r"fleet.entrances\[0\]: \[nan, 5\] is not allowed"),
+        ((math.nan, 5.0), r"fleet.entrances\[0\]\[0\]: \.nan is not allowed; a finite number is needed"),
     ],
     ids=["in a wall", "outside", "too near the border", "no number"],
 )
@@ -167,7 +167,7 @@ def test_an_entrance_may_touch_walls() -> None:
 
 
 def test_an_empty_list_of_entrances_is_refused() -> None:
-    with pytest.raises(MissionError, match=r"fleet.entrances: \(\) is not allowed; must be at least one place"):
+    with pytest.raises(MissionError, match=r"fleet.entrances: \[\] is not allowed; it must not be empty"):
         walled(0.5, entrances=())
 
 

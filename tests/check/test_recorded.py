@@ -122,7 +122,7 @@ def test_a_tolerance_credits_sensors_with_more_reach() -> None:
 
 def test_sensors_that_look_down_see_as_far_as_their_height_allows() -> None:
     cone = DiscSensor(radius_m=5.0, half_angle_deg=45.0)
-    robot = Robot(name="r", speed_m_s=2.0, sensor=cone)
+    robot = Fleet(speed_m_s=2.0, sensor=cone).equal_robot("r")
     high = replace(TO_AND_FRO, heights_m=np.array([9.0, 9.0, 9.0]))
     low = replace(TO_AND_FRO, heights_m=np.array([9.0, 0.2, 9.0]))
     ground = lane(16.0)

@@ -14,7 +14,7 @@ from rota.check.seeable import LEAST_SPREAD_M, SeeableGround, seeable
 from rota.check.standing import standing, standing_areas
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
 from rota.model.plan import Plan, Trajectory
 
 
@@ -116,8 +116,8 @@ def test_matches_sight_from_many_standing_places(seed: int) -> None:
 
 
 def test_fleet_of_different_robots_sees_what_any_of_them_can() -> None:
-    small = Robot(name="small", speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0), body_radius_m=0.1)
-    big = Robot(name="big", speed_m_s=1.0, sensor=DiscSensor(radius_m=4.0), body_radius_m=1.0)
+    small = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0), body_radius_m=0.1).equal_robot("small")
+    big = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=4.0), body_radius_m=1.0).equal_robot("big")
     fleet = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0), robots=(small, big))
     m = Mission(name="m", area=MultiPolygon([box(0, 0, 10, 10).union(box(10, 4, 14, 4.6))]), fleet=fleet, period_s=1.0)
     # the passage takes the small one alone

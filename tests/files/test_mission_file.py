@@ -14,7 +14,7 @@ from rota.files.example_mission import example_mission_text
 from rota.files.geodesy import Projection
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.yaml_text import parse_text
-from rota.model.mission import DiscSensor, GeoPoint, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, GeoPoint, Robot, SquareSensor
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 
@@ -164,10 +164,14 @@ def test_robots_as_a_number_and_as_a_list(tmp_path):
     assert mission.fleet.robots[1] == mission.fleet.equal_robot("robot-2")
     robots = "[{name: a}, {name: b, speed_m_s: 2, sensor: {shape: square, side_m: 8}, turn_rate_rad_s: null}]"
     text = BASE.replace("fleet: {", f"fleet: {{turn_rate_rad_s: 1.5, body_radius_m: 0.3, robots: {robots}, ")
-    assert read(tmp_path, text).mission.fleet.robots == (
-        Robot(name="a", speed_m_s=4, sensor=DiscSensor(radius_m=5), body_radius_m=0.3, turn_rate_rad_s=1.5),
-        Robot(name="b", speed_m_s=2, sensor=SquareSensor(side_m=8), body_radius_m=0.3, turn_rate_rad_s=None),
+    fleet = Fleet(
+        speed_m_s=4,
+        sensor=DiscSensor(radius_m=5),
+        body_radius_m=0.3,
+        turn_rate_rad_s=1.5,
+        robots=[Robot(name="a"), Robot(name="b", speed_m_s=2, sensor=SquareSensor(side_m=8), turn_rate_rad_s=None)],
     )
+    assert read(tmp_path, text).mission.fleet == fleet
 
 
 def test_zones_sticking_out_are_cut_with_a_warning(tmp_path):

@@ -24,7 +24,6 @@ from rota.model.mission import (
     Fleet,
     GeoPoint,
     Mission,
-    MovingObstacle,
     Obstacle,
     Robot,
     SquareSensor,
@@ -236,36 +235,13 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
         jsonschema.validate(document, schema)
 
 
-@pytest.mark.parametrize(
-    ("model", "type_", "renamed"),
-    [
-        (fields.MotionFields, MotionLimits, {}),
-        (fields.ZoneFields, Zone, {}),
-        (fields.ObstacleFields, Obstacle, {}),
-        (fields.OriginFields, GeoPoint, {}),
-        (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
-        (fields.MovingObstacleFields, MovingObstacle, {}),
-        (fields.MissionFields, Mission, {"planning": "planner"}),
-    ],
-)
-def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
-    expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
-    assert set(model.model_fields) == expected
-
-
-@pytest.mark.parametrize(("model", "type_"), [(fields.RobotFields, Robot), (fields.FleetFields, Fleet)])
-def test_no_field_of_robots_and_fleets_is_left_out(model: Any, type_: Any) -> None:
-    given = {f.name for f in dataclasses.fields(type_)} - {"motion"}  # whose fields stand beside the others
-    assert set(model.model_fields) == given | set(MOTION_FIELDS)
-
-
 def test_what_a_mission_does_not_limit_is_not_written() -> None:
     plan = harbour()
     told = plan_to_json(plan)
     assert told["mission"]["fleet"]["jerk_m_s3"] == 0.7
     assert told["robots"][0]["accelerations_m_s2"] == [1 / 3, -0.0, 0.1 + 0.2]
     assert "accelerations_m_s2" not in told["robots"][1]
-    free = dataclasses.replace(plan.mission.fleet, motion=AT_ONCE)
+    free = plan.mission.fleet.changing_speed_at_once()
     as_before = plan_to_json(dataclasses.replace(plan, mission=dataclasses.replace(plan.mission, fleet=free)))
     assert not set(MOTION_FIELDS) & set(as_before["mission"]["fleet"])
     assert not any(set(MOTION_FIELDS) & set(robot) for robot in as_before["mission"]["fleet"]["robots"])
@@ -276,7 +252,7 @@ def test_what_a_mission_does_not_limit_is_not_written() -> None:
     [
         ([0.0], r"robots\[0\].accelerations_m_s2: 1 entries; 3 are needed, one per leg"),
         ([0.0, 0.0, 1e9], r"robots\[0\]: .*accelerations_m_s2\[2\] = 1e\+09; on this leg at most .* m/s2"),
-        ([0.0, "fast", 0.0], r"robots\[0\].accelerations_m_s2\[1\]: .*number.*'fast'"),
+        ([0.0, "fast", 0.0], r'robots\[0\].accelerations_m_s2\[1\]: "fast" is not allowed; a number is needed'),
     ],
 )
 def test_accelerations_that_no_leg_has_are_refused_with_their_place(values: list[Any], words: str) -> None:
@@ -290,11 +266,11 @@ def test_accelerations_that_no_leg_has_are_refused_with_their_place(values: list
     ("field", "value", "words"),
     [
         ("acceleration_m_s2", 0, r"mission.fleet.acceleration_m_s2: .*greater than 0"),
-        ("corner_m", -1, r"mission.fleet.corner_m: .*greater than or equal to 0"),
+        ("corner_m", -1, r"mission.fleet.corner_m: -1 is not allowed; it must be at least 0"),
         ("wind_m_s", "strong", r"mission.fleet.wind_m_s: .*number"),
         ("corner_m", 1, r"mission.fleet: .*corner_m: 1(.0)? is not allowed; must be 0 where turn_rate_rad_s is given"),
         ("top_airspeed_m_s", 1, r"mission.fleet: .*speed_m_s: 2(.0)? is not allowed; must be at most 1"),
-        ("corner", 1, r"mission.fleet.corner: unknown key; did you mean corner_m\?"),
+        ("corner", 1, r"mission.fleet.corner: unknown key; did you mean 'corner_m'\?"),
     ],
 )
 def test_limits_of_motion_that_cannot_be_are_refused(field: str, value: Any, words: str) -> None:
@@ -401,33 +377,49 @@ CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
         ("rota_plan", 2, r"rota_plan: version 2 is not known; this Rota reads version 1"),
         ("rota_plan", ..., r'there is no "rota_plan"'),
         ("rota_plan", True, r"version True is not known"),
-        ("seed", 1.5, r"^seed: .*integer"),
-        ("lower_bound_robots", -1, r"^lower_bound_robots: .*greater than or equal to 0, not -1"),
+        ("seed", 1.5, r"^seed: 1\.5 is not allowed; a whole number is needed"),
+        ("lower_bound_robots", -1, r"^lower_bound_robots: -1 is not allowed; it must be at least 0"),
         ("robots", {}, r"^robots: .*list"),
-        ("mission_sha256", "abc", r"^mission_sha256: .*pattern"),
-        ("mission.zones", ..., r"^mission\.zones: Field required"),
-        ("mission.perod_s", 4, r"^mission\.perod_s: unknown key; did you mean period_s\?"),
-        ("mission.period_s", "40", r"^mission\.period_s: .*number, not '40'"),
-        ("mission.period_s", 0, r"^mission\.period_s: .*greater than 0, not 0"),
+        ("mission_sha256", "abc", r"^mission_sha256: abc\.\.\. is not that of the mission"),
+        ("mission.zones", ..., r"^mission\.zones: is missing"),
+        ("mission.perod_s", 4, r"^mission\.perod_s: unknown key; did you mean 'period_s'\?"),
+        ("mission.period_s", "40", r'^mission\.period_s: "40" is not allowed; a number is needed; remove the quotes'),
+        ("mission.period_s", 0, r"^mission\.period_s: 0 is not allowed; it must be greater than 0"),
         ("mission.period_s", float("inf"), r"^mission\.period_s: .*finite"),
         ("mission.period_s", True, r"^mission\.period_s: .*number"),
-        ("mission.period_s", 10**400, r"^mission\.period_s: .*number"),
-        ("mission.area", [], r"^mission\.area: .*at least 1"),
+        ("mission.period_s", 10**400, r"^mission\.period_s: 10+ \.\.\. is not allowed; a finite number is needed"),
+        ("mission.area", [], r"^mission\.area: \[\] is not allowed; it must not be empty"),
         ("mission.area", CROSSED, r"^mission\.area: an invalid shape"),
         ("mission.area.0.0", [[0, 0], [1, 1]], r"^mission\.area\[0\]\[0\]: .*at least 3"),
-        ("mission.area.0.0.2", [1], r"^mission\.area\[0\]\[0\]\[2\]: .*at least 2"),
+        ("mission.area.0.0.2", [1], r"^mission\.area\[0\]\[0\]\[2\]: \[1\] is too short; 2 numbers are needed"),
         ("mission.obstacles.1.shape", CROSSED, r"^mission\.obstacles\[1\]\.shape: an invalid shape"),
-        ("mission.obstacles.0.blocks", "light", r"^mission\.obstacles\[0\]\.blocks: .*'both', 'motion' or 'sight'"),
-        ("mission.obstacles.2.asks", "something", r"^mission\.obstacles\[2\]\.asks: .*'all' or 'nothing'"),
+        (
+            "mission.obstacles.0.blocks",
+            "light",
+            r'^mission\.obstacles\[0\]\.blocks: "light" is not allowed; both, motion or sight is',
+        ),
+        (
+            "mission.obstacles.2.asks",
+            "something",
+            r'^mission\.obstacles\[2\]\.asks: "something" is not allowed; all or nothing is',
+        ),
         ("mission.zones.1.shape", [[[[500, 500], [501, 500], [501, 501]]]], r"zone tank: .*outside the area"),
         ("mission.zones.1.name", "gate", r"^mission: zones: 'gate' .*unique"),
-        ("mission.origin.lat", 91, r"^mission\.origin\.lat: .*90, not 91"),
-        ("mission.fleet.robots", 3, r"^mission\.fleet\.robots: .*list, not 3$"),
-        ("mission.fleet.robots.0.speed_m_s", -1, r"^mission\.fleet\.robots\[0\]\.speed_m_s: .*greater than 0, not -1"),
+        ("mission.origin.lat", 91, r"^mission\.origin\.lat: 91 is not allowed; it must be at most 90"),
+        ("mission.fleet.robots", 3, r"^mission\.fleet\.robots: 3 is not allowed; fewest or a list is needed"),
+        (
+            "mission.fleet.robots.0.speed_m_s",
+            -1,
+            r"^mission\.fleet\.robots\[0\]\.speed_m_s: -1 is not allowed; it must be greater than 0",
+        ),
         ("mission.fleet.robots.0.name", "b", r"^mission\.fleet: .*'b'.*unique"),
-        ("mission.fleet.sensor.shape", "cube", r"^mission\.fleet\.sensor: .*'disc', 'square'"),
-        ("mission.fleet.sensor.side_m", ..., r"^mission\.fleet\.sensor\.side_m: Field required"),
-        ("mission.planner", "swerm", r"^mission\.planner: .*'patrol'"),
+        (
+            "mission.fleet.sensor.shape",
+            "cube",
+            r'^mission\.fleet\.sensor\.shape: "cube" is not allowed; disc or square is needed',
+        ),
+        ("mission.fleet.sensor.side_m", ..., r"^mission\.fleet\.sensor\.side_m: is missing; a square sensor"),
+        ("mission.planner", "swerm", r"^mission\.planner: .* patrol, swarm or bounce is needed"),
         ("mission.patrol.effort", "low", r'^mission\.patrol\.effort: "low" is not allowed; quick, normal or high'),
         ("robots.0.name", "nobody", r"^robots: robot 'nobody' is not in the fleet"),
         ("robots.1.name", "Zoë", r"^robots: robot Zoë has more than one trajectory"),
@@ -435,13 +427,25 @@ CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
         ("robots.0.times_s", [0, 1], r"^robots\[0\]\.positions_m: 4 entries; 2 are needed"),
         ("robots.0.positions_m.1", [1, 2, 3], r"^robots\[0\]\.positions_m: \[x, y\] and \[x, y, z\] mixed"),
         ("robots.1.positions_m.0", [4, 4, 0], r"^robots: robot b: positions_m\[0\] has 3 numbers; 2 are needed"),
-        ("robots.0.positions_m.2", [1e9, 0], r"^robots\[0\]\.positions_m\[2\]\[0\]: .*100000000, not 1000000000"),
+        (
+            "robots.0.positions_m.2",
+            [1e9, 0],
+            r"^robots\[0\]\.positions_m\[2\]\[0\]: 1000000000 is not allowed; it must be at most 100000000",
+        ),
         ("robots.0.positions_m.2", [0, 2e6], r"^robots: robot Zoë: positions_m\[2\] = .*at most 1e\+06 m away"),
-        ("robots.0.times_s.3", 1e308, r"^robots\[0\]\.times_s\[3\]: .*10000000000, not 1e\+308"),
+        ("robots.0.times_s.3", 1e308, r"^robots\[0\]\.times_s\[3\]: 1e\+308 is not allowed; it must be at most 1e\+10"),
         ("robots.0.times_s", [0, 0.1, 0.1 + 1e-8, 0.1 + 1e-7], r"^robots\[0\]: .*loops take 1e-06 s or more"),
-        ("mission.area.0.0.2", [1e40, 90], r"^mission\.area\[0\]\[0\]\[2\]\[0\]: .*100000000, not 1e\+40"),
-        ("mission.fleet.sensor.side_m", 1e155, r"^mission\.fleet\.sensor\.side_m: .*100000000, not 1e\+155"),
-        ("mission.zones.0.name", "\ud800", r"^mission\.zones\[0\]\.name: .*string"),
+        (
+            "mission.area.0.0.2",
+            [1e40, 90],
+            r"^mission\.area\[0\]\[0\]\[2\]\[0\]: 1e\+40 is not allowed; it must be at most 100000000",
+        ),
+        (
+            "mission.fleet.sensor.side_m",
+            1e155,
+            r"^mission\.fleet\.sensor\.side_m: 1e\+155 is not allowed; it must be at most 100000000",
+        ),
+        ("mission.zones.0.name", "\ud800", r"^mission\.zones\[0\]: zone\.name: .*lone surrogates"),
         ("robots.0.positions_m.3", [9, 9], r"^robots\[0\]: .*the loop does not close"),
         ("robots.0.headings_rad", [0.0], r"^robots\[0\]\.headings_rad: 1 entries; 4 are needed"),
         ("robots.0.loop_start_s", 0.2, r"^robots\[0\]: .*loop_start_s = 0\.2 is none of the times"),

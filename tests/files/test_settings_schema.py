@@ -30,8 +30,8 @@ def block_of(file: str, planner: str) -> dict[str, Any]:
 
 
 def plan_fields() -> dict[str, Any]:
-    schema = plan_schema()
-    return schema["$defs"][schema["properties"]["mission"]["$ref"].rpartition("/")[2]]
+    fields: dict[str, Any] = plan_schema()["properties"]["mission"]
+    return fields
 
 
 def differences(now: Any, before: Any, added: set[str], where: str = "") -> list[str]:

@@ -111,6 +111,8 @@ def _load(path: Path) -> Any:
         return json.loads(text, parse_constant=refuse, parse_int=_whole, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:
         raise MissionError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
+    except MissionError:
+        raise
     except (RecursionError, ValueError) as error:
         raise MissionError(f"{path}: not JSON: {error}") from None
 

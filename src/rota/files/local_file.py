@@ -10,13 +10,13 @@ from rota.errors import MissionError
 def read_bytes(path: Path, what: str) -> bytes:
     """The bytes of a file; ``what`` names its role in errors. Raises MissionError when it cannot be read."""
     try:
-        if path.is_dir():
-            raise MissionError(f"{path}: is a folder; {what} is needed")
-        return path.read_bytes()
+        if not path.is_dir():
+            return path.read_bytes()
     except FileNotFoundError:
         raise MissionError(f"{path}: no such file; {what} is needed") from None
     except (OSError, ValueError) as error:
         raise MissionError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    raise MissionError(f"{path}: is a folder; {what} is needed")
 
 
 def read_text(path: Path, what: str) -> str:

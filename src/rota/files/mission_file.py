@@ -9,26 +9,31 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
 from shapely import MultiPolygon, unary_union
 
 from rota.errors import MissionError
+from rota.files.blocks import Fault, positioned, read_block
+from rota.files.json_schema import file_schema
 from rota.files.local_file import read_text
-from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, sensor_of
+from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, listed_robots
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import MissionFile, SensorBlock, mission_file_type
+from rota.files.mission_schema import mission_block
 from rota.files.mission_starts import fleet_at_its_starts, moved_in, moving_obstacles
-from rota.files.schema_faults import Fault, positioned, schema_faults
-from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
+from rota.model.fields import fields_of
 from rota.model.mission import (
     NO_PERIOD,
     NOTHING_MATTERS,
+    DiscSensor,
     Mission,
     PlannerSettings,
+    Sensor,
     inner_reach_m,
 )
+from rota.model.planner_registry import DEFAULT
 from rota.planning.planner import planner_named
+
+Values = dict[str, Any]  # of a block of the file, those that are given, by their names
 
 MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
@@ -92,31 +97,27 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
 
     confine: refuse paths that leave the folder.
     """
-    faults: list[Fault] = []
-    file: MissionFile | None = None
-    try:
-        file = mission_file_type(document.value).model_validate(document.value)
-    except ValidationError as error:
-        faults += schema_faults(document, error)
+    file, faults = read_block(mission_block(document.value), document.value)
+    file = None if faults else file
     ground, ground_faults, warnings = read_ground(document.value, folder, confine=confine)
     faults += ground_faults
     if file is not None:
         faults += _period_faults(file, ground)
-        if file.importance == 0 and ground is not None and not any(zone.importance for zone in ground.zones):
+        if file.get("importance") == 0 and ground is not None and not any(zone.importance for zone in ground.zones):
             faults.append(Fault(("importance",), NOTHING_MATTERS))
-        wrong = fleet_faults(file.fleet)
+        wrong = fleet_faults(file["fleet"])
         faults += wrong
         if ground is not None:
             faults += _sensor_faults(file, ground)
             if not wrong:
-                faults += fleet_at_its_starts(fleet_of(file.fleet), file, ground)[1]
+                faults += fleet_at_its_starts(fleet_of(file["fleet"]), file, ground)[1]
     if faults or file is None or ground is None:
         return JudgedDocument(None, ground, faults, (), warnings)
     try:
         mission = _mission(file, ground)
     except MissionError as error:
         return JudgedDocument(None, ground, [], error.faults, warnings)
-    warnings += [*fleet_warnings(file.fleet), *_blind(mission), *moved_in(mission, file)]
+    warnings += [*fleet_warnings(file["fleet"]), *_blind(mission), *moved_in(mission, file)]
     return JudgedDocument(mission, ground, [], (), warnings)
 
 
@@ -135,8 +136,7 @@ def _blind(mission: Mission) -> list[Fault]:
 
 def mission_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of a mission file."""
-    schema = mission_file_type().model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota mission"}
+    return file_schema(mission_block(), "Rota mission")
 
 
 def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
@@ -178,32 +178,29 @@ def _item(items: list[Any], step: str, field: str) -> int:
     return named[0]
 
 
-def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
+def _period_faults(file: Values, ground: Ground | None) -> list[Fault]:
     zones = ground.zones if ground is not None else ()
-    periods_s = [file.period_s, *(zone.period_s for zone in zones), *(zone.period_s for zone in file.zones)]
+    periods_s = [zone.get("period_s") for zone in (file, *file.get("zones", ()))] + [zone.period_s for zone in zones]
     asked = any(period_s is not None for period_s in periods_s)
     if asked or ground is None or not _planning(file).asks_periods:
         return []
     return [Fault(("period_s",), NO_PERIOD)]
 
 
-def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
+def _sensor_faults(file: Values, ground: Ground) -> list[Fault]:
     """Sensors so small that the demanded area would need more cells than memory and patience hold."""
     demanded_m2 = _demanded(file, ground).area
     least_m = CELLS_PER_REACH * math.sqrt(demanded_m2 / MOST_CELLS)
-    sensors: list[tuple[Place, SensorBlock]] = [(("fleet", "sensor"), file.fleet.sensor)]
-    if isinstance(file.fleet.robots, list):
-        sensors += [
-            (("fleet", "robots", k, "sensor"), robot.sensor)
-            for k, robot in enumerate(file.fleet.robots)
-            if robot.sensor is not None
-        ]
+    sensors: list[tuple[Place, Sensor]] = [(("fleet", "sensor"), file["fleet"]["sensor"])]
+    for k, robot in enumerate(listed_robots(file["fleet"])):
+        if robot.get("sensor") is not None:
+            sensors.append((("fleet", "robots", k, "sensor"), robot["sensor"]))
     faults = []
-    for place, block in sensors:
-        sensor = sensor_of(block)
+    for place, sensor in sensors:
         if sensor.reach_m >= least_m:
             continue
-        size, least = ("radius_m", least_m) if block.shape == "disc" else ("side_m", least_m * math.sqrt(2))
+        is_disc = isinstance(sensor, DiscSensor)
+        size, least = ("radius_m", least_m) if is_disc else ("side_m", least_m * math.sqrt(2))
         # divided twice, since the square of the smallest numbers is 0
         cells = demanded_m2 * CELLS_PER_REACH**2 / sensor.reach_m / sensor.reach_m
         message = (
@@ -215,10 +212,10 @@ def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
     return faults
 
 
-def _demanded(file: MissionFile, ground: Ground) -> MultiPolygon:
+def _demanded(file: Values, ground: Ground) -> MultiPolygon:
     """Where something is asked: the smallest period rules where zones overlap, null asks nothing."""
     timed = unary_union([zone.shape for zone in ground.zones if zone.period_s is not None])
-    if file.period_s is not None:
+    if file.get("period_s") is not None:
         idle = unary_union([zone.shape for zone in ground.zones if zone.period_s is None])
         timed = ground.area.difference(idle).union(timed)
     return timed.difference(unary_union([obstacle.shape for obstacle in ground.obstacles if obstacle.hides_demand]))
@@ -229,24 +226,17 @@ def _rounded_up(value: float) -> float:
     return math.ceil(value / unit) * unit
 
 
-def _mission(file: MissionFile, ground: Ground) -> Mission:
-    return Mission(
-        name=file.name,
-        area=ground.area,
-        obstacles=ground.obstacles,
-        zones=ground.zones,
-        importance=ground.importance,
-        period_s=file.period_s,
-        fleet=fleet_at_its_starts(fleet_of(file.fleet), file, ground)[0],
-        origin=ground.origin,
-        unseeable=file.unseeable,
-        holds_within_s=file.holds_within_s,
-        planning=_planning(file),
-        moving_obstacles=moving_obstacles(file, ground),
-    )
+def _mission(file: Values, ground: Ground) -> Mission:
+    """The mission: its values as they stand, but what lies on the ground in metres, and the fleet on it."""
+    values = {item.name: file[item.name] for item in fields_of(Mission) if item.name in file}
+    values |= {name: getattr(ground, name) for name in ("area", "obstacles", "zones", "importance", "origin")}
+    values["fleet"] = fleet_at_its_starts(fleet_of(file["fleet"]), file, ground)[0]
+    values["moving_obstacles"] = moving_obstacles(file, ground)
+    return Mission(**values, planning=_planning(file))
 
 
-def _planning(file: MissionFile) -> PlannerSettings:
+def _planning(file: Values) -> PlannerSettings:
     """The settings of the mission's planner."""
-    typed_cell_m = file.area.cell_m if isinstance(file.area, AreaBlock) else None
-    return planner_named(file.planner).settings.written(file.settings, typed_cell_m)
+    typed_cell_m = file["area"].get("cell_m") if isinstance(file["area"], dict) else None
+    planner = file.get("planner", DEFAULT)
+    return planner_named(planner).settings.written(file.get(planner) or {}, typed_cell_m)

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from rota.files.mission_schema import FleetBlock, RobotBlock, SensorBlock
-from rota.files.motion_schema import DRIVING
-from rota.files.schema_faults import Fault
+from rota.files.blocks import Fault, made
+from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
-from rota.model.fleet import TURNS_ONE_WAY, DiscSensor, Fleet, Robot, Sensor, SquareSensor
-from rota.model.motion_limits import AT_ONCE, MOTION_FIELDS, NEED_MASS, MotionLimits, driving_faults, motion_faults
+from rota.model.fields import REQUIRED, fields_of, flat_fields_of
+from rota.model.fleet import TURNS_ONE_WAY, Abilities, Fleet, Robot
+from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
 from rota.model.refusals import shown
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.presets import NONE, VEHICLES
 
 FLEET: Place = ("fleet",)
 TURNING = ("turn_rate_rad_s", "turn_radius_m")
-AS_NOTHING = {"speed_m_s", "turn_radius_m", "vehicle"}  # of which null says no more than leaving them out
-NOT_OF_VEHICLES = ("speed_m_s", *TURNING, "wind_m_s")  # from the fleet unless a robot's vehicle presets them
+ABLE = flat_fields_of(Abilities)
+# of which null says no more than leaving them out
+AS_NOTHING = {item.name for item in ABLE if not (item.optional or item.empty)} | {"vehicle"}
+# from the fleet unless a robot's vehicle presets them
+NOT_OF_VEHICLES = (*(item.name for item in fields_of(Abilities) if not item.flat), "wind_m_s")
+Values = dict[str, Any]  # of a block of the file, those that are given, by their names
 
 
 @dataclass(frozen=True, kw_only=True)
 class Driving:
-    """How a robot drives: the values of ``DRIVING``, None where there is none, and where in the file each stands."""
+    """What a robot can do: the values of ``DRIVING``, None where there is none, and where in the file each stands."""
 
     values: dict[str, Any]
     places: dict[str, Place]
@@ -34,68 +38,38 @@ class Driving:
         """The vehicle that it is; the one without limits where none is named."""
         return VEHICLES[self.values["vehicle"] or NONE.name]
 
-    @property
-    def motion(self) -> MotionLimits:
-        """Its limits of motion."""
-        given = {name: self.values[name] for name in MOTION_FIELDS if self.values[name] is not None}
-        return MotionLimits(**given)
+
+def listed_robots(block: Values) -> tuple[Values, ...]:
+    """The robots of a fleet's block that are listed."""
+    robots = block.get("robots")
+    return robots if isinstance(robots, tuple) else ()
 
 
-def fleet_of(block: FleetBlock) -> Fleet:
+def fleet_of(block: Values) -> Fleet:
     """The fleet, still without starts and entrances; ``fleet_faults`` finds nothing in the block."""
-    driving = _driving(block, FLEET, None)
-    fleet = Fleet(
-        sensor=sensor_of(block.sensor),
-        body_radius_m=block.body_radius_m,
-        altitude_m=block.altitude_m,
-        **_driven(driving),
-    )
-    if isinstance(block.robots, int):
-        robots = [fleet.equal_robot(f"robot-{k + 1}") for k in range(block.robots)]
-    elif isinstance(block.robots, list):
-        robots = [_robot(fleet, robot, _driving(robot, FLEET, driving)) for robot in block.robots]
-    else:
-        return fleet
-    return replace(fleet, robots=tuple(robots))
+    common = _driving(block, FLEET, None)
+    robots: Any = block.get("robots", "fewest")
+    if isinstance(robots, tuple):
+        robots = [made(Robot, **_unplaced(robot), **_driving(robot, FLEET, common).values) for robot in robots]
+    return made(Fleet, **{**_unplaced(block), "robots": robots}, **common.values)
 
 
-def _robot(fleet: Fleet, block: RobotBlock, driving: Driving) -> Robot:
-    return Robot(
-        name=block.name,
-        sensor=sensor_of(block.sensor) if block.sensor is not None else fleet.sensor,
-        body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
-        joins_s=block.joins_s,
-        leaves_s=block.leaves_s,
-        **_driven(driving),
-    )
+def _unplaced(block: Values) -> Values:
+    """What a block gives beside what robots can do, without places, which are not in metres yet."""
+    return {
+        name: value for name, value in block.items() if name not in (*DRIVING, "start", "entrances", "rally_points")
+    }
 
 
-def _driven(driving: Driving) -> dict[str, Any]:
-    """The fields of a fleet or a robot that say how it drives."""
-    values = driving.values
-    return {name: values[name] for name in ("speed_m_s", *TURNING)} | {"motion": driving.motion}
-
-
-def sensor_of(block: SensorBlock) -> Sensor:
-    """The sensor that a block describes."""
-    if block.radius_m is not None:
-        return DiscSensor(radius_m=block.radius_m, half_angle_deg=block.half_angle_deg)
-    assert block.side_m is not None
-    return SquareSensor(side_m=block.side_m)
-
-
-def _driving(block: FleetBlock | RobotBlock, place: Place, common: Driving | None) -> Driving:
+def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
     """What a block gives, then what its vehicle has by default, then what the fleet has, ``common``.
 
     A robot that names a vehicle has nothing from the fleet's vehicle. Null says that there is no limit.
     """
-    given = {
-        name: getattr(block, name)
-        for name in DRIVING
-        if name in block.model_fields_set and (getattr(block, name) is not None or name not in AS_NOTHING)
-    }
+    said = {name: block[name] for name in DRIVING if name in block}
+    given = {name: value for name, value in said.items() if value is not None or name not in AS_NOTHING}
     vehicle = VEHICLES[given.get("vehicle") or NONE.name]
-    values: dict[str, Any] = {name: None for name in DRIVING} | {"turn_radius_m": 0.0, "corner_m": 0.0, "wind_m_s": 0.0}
+    values: Values = {item.name: None if item.default is REQUIRED else item.default for item in ABLE}
     places = {name: (*place, name) for name in DRIVING}
     if common is not None:
         kept = NOT_OF_VEHICLES if "vehicle" in given else DRIVING
@@ -125,14 +99,14 @@ def _driving(block: FleetBlock | RobotBlock, place: Place, common: Driving | Non
 # ---------------------------------------------------------------- faults
 
 
-def fleet_faults(block: FleetBlock) -> list[Fault]:
+def fleet_faults(block: Values) -> list[Fault]:
     """Names given twice, and speeds, turns, limits and vehicles that do not go together, each where it stands."""
     faults = list(_name_faults(block))
     faults += [fault for driving in _each(block) for fault in _driving_faults(driving)]
     return list(dict.fromkeys(faults))  # what robots have from their fleet is told once
 
 
-def fleet_warnings(block: FleetBlock) -> list[Fault]:
+def fleet_warnings(block: Values) -> list[Fault]:
     """Vehicles of which no source tells what their mass allows."""
     unknown = [
         one for one in _each(block) if one.vehicle.acceleration_unknown and one.values["acceleration_m_s2"] is None
@@ -141,16 +115,16 @@ def fleet_warnings(block: FleetBlock) -> list[Fault]:
     return list(dict.fromkeys(Fault(one.places["vehicle"], message) for one in unknown))
 
 
-def _each(block: FleetBlock) -> Iterator[Driving]:
+def _each(block: Values) -> Iterator[Driving]:
     """How the fleet drives, and each of its listed robots."""
     common = _driving(block, FLEET, None)
     yield common
-    for k, robot in enumerate(block.robots if isinstance(block.robots, list) else []):
+    for k, robot in enumerate(listed_robots(block)):
         yield _driving(robot, (*FLEET, "robots", k), common)
 
 
-def _name_faults(block: FleetBlock) -> Iterator[Fault]:
-    names = [robot.name for robot in block.robots] if isinstance(block.robots, list) else []
+def _name_faults(block: Values) -> Iterator[Fault]:
+    names = [robot["name"] for robot in listed_robots(block)]
     first = {name: k for k, name in reversed(list(enumerate(names)))}
     for k, name in enumerate(names):
         if first[name] < k:

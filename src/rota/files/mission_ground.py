@@ -7,36 +7,30 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import TypeAdapter, ValidationError
 from shapely import MultiPolygon, unary_union
 
 from rota.errors import MissionError
+from rota.files.blocks import Fault, read_field
 from rota.files.geodesy import Projection, projection_for
 from rota.files.geojson_shapes import Feature
 from rota.files.importance_map import read_importance_map
-from rota.files.mission_schema import GroundImportance, ImportanceBlock, OriginBlock
-from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
+from rota.files.mission_schema import mission_field
+from rota.files.mission_shapes import Frame, Stop, features_of, given, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import GapsError, InsideError, read_map
 from rota.files.raster_map import Site
-from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration, Importance
-from rota.files.schema_faults import Fault
-from rota.files.shape_schema import Area, AreaBlock, ObstacleBlock, ObstacleEntry, ZoneBlock
 from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
+from rota.model.fields import fields_of
 from rota.model.importance import ALLOWED, ImportanceMap
+from rota.model.limits import DURATION, LENGTH
 from rota.model.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.model.refusals import shown
 
 _SMALLEST_CUT = 1e-9  # relative: borders drawn along each other differ by rounding
 
-_AREA: TypeAdapter[Any] = TypeAdapter(Area)
-_OBSTACLE: TypeAdapter[Any] = TypeAdapter(ObstacleEntry)
-_ZONE: TypeAdapter[ZoneBlock] = TypeAdapter(ZoneBlock)
-_ORIGIN: TypeAdapter[OriginBlock | None] = TypeAdapter(OriginBlock | None)
-_IMPORTANCE: TypeAdapter[Any] = TypeAdapter(GroundImportance | None)
-_ZONE_IMPORTANCE: TypeAdapter[float | None] = TypeAdapter(Importance | None)
-_PERIOD: TypeAdapter[float | None] = TypeAdapter(Duration | None)
+
+Values = dict[str, Any]  # of a block of the file, those that are given, by their names
 
 
 class Ground(NamedTuple):
@@ -69,12 +63,12 @@ def read_ground(data: Any, folder: Path, *, confine: bool) -> tuple[Ground | Non
 
 def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed) -> Ground | None:
     """The ground, as far as it can be read; None without an area."""
-    entry = _valid(_AREA, data.get("area"))
+    entry = _valid(data, "area")
     if entry is None or data.get("coordinates", "metres") not in ("metres", "wgs84"):
         return None
     frame = Frame(folder=folder, confine=confine, in_degrees=data.get("coordinates") == "wgs84")
     try:
-        frame = _placed(frame, entry, _valid(_ORIGIN, data.get("origin")), noticed)
+        frame = _placed(frame, entry, _valid(data, "origin"), noticed)
         area, obstacles = _area(frame, entry, noticed)
         if (fault := _extent_fault(area)) is not None:
             raise Stop(("area",), fault)
@@ -94,16 +88,14 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
 # ---------------------------------------------------------------- the area, and with it the frame
 
 
-def _placed(frame: Frame, entry: Any, origin: OriginBlock | None, noticed: Noticed) -> Frame:
+def _placed(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) -> Frame:
     """The frame with its projection: about the given origin, or about the middle of an area in degrees."""
-    block = entry if isinstance(entry, AreaBlock) else None
     if origin is not None and not frame.in_degrees:
-        return replace(frame, projection=Projection(GeoPoint(lat=origin.lat, lon=origin.lon)))
-    from_file = block is not None and block.geojson is not None
-    if (block is not None and (block.map is not None or block.text is not None)) or not (frame.in_degrees or from_file):
+        return replace(frame, projection=Projection(GeoPoint(**origin)))
+    if given(entry, "map") or given(entry, "text") or not (frame.in_degrees or given(entry, "geojson")):
         return frame
-    if block is not None and block.circle is not None:
-        x, y = block.circle.centre
+    if given(entry, "circle"):
+        x, y = entry["circle"]["centre"]
         bounds: Any = (x, y, x, y)
     else:
         bounds = shape_as_written(frame, ("area",), entry, noticed.warnings).shape.bounds
@@ -115,25 +107,23 @@ def _placed(frame: Frame, entry: Any, origin: OriginBlock | None, noticed: Notic
 
 def _area(frame: Frame, entry: Any, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
     """The area, and the obstacles that come with it when it is the free part of a map."""
-    if isinstance(entry, AreaBlock) and entry.map is not None:
+    if given(entry, "map"):
         return _area_of_map(frame, entry, noticed)
-    if isinstance(entry, AreaBlock) and entry.text is not None:
+    if given(entry, "text"):
         return _area_of_text(frame, entry)
     return shape_in_metres(frame, ("area",), entry, noticed.warnings), []
 
 
-def _area_of_map(frame: Frame, block: AreaBlock, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
+def _area_of_map(frame: Frame, block: Values, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
     """The free part of a ROS map round a point, and all that is not free as one obstacle."""
-    assert block.map is not None
-    assert block.inside is not None
     if frame.in_degrees:
         message = "wgs84 does not go with area.map: a map is in metres; write coordinates: metres"
         raise Stop(("coordinates",), message)
-    unknown = block.unknown or "map_server reading"
+    unknown: Any = block.get("unknown") or "map_server reading"
     try:
         sheet = read_map(
-            frame.file(block.map), block.inside, unknown,
-            close_gaps_m=block.close_gaps_m or 0.0, confine_to=frame.confine_to,
+            frame.file(block["map"]), block["inside"], unknown,
+            close_gaps_m=block.get("close_gaps_m") or 0.0, confine_to=frame.confine_to,
         )  # fmt: skip
     except InsideError as error:
         raise Stop(("area", "inside"), *error.faults) from None
@@ -145,14 +135,12 @@ def _area_of_map(frame: Frame, block: AreaBlock, noticed: Noticed) -> tuple[Mult
     return sheet.area, [Obstacle(shape=sheet.obstacles)] if sheet.obstacles is not None else []
 
 
-def _area_of_text(frame: Frame, block: AreaBlock) -> tuple[MultiPolygon, list[Obstacle]]:
+def _area_of_text(frame: Frame, block: Values) -> tuple[MultiPolygon, list[Obstacle]]:
     """The rectangle of a typed map, and its obstacles as one."""
-    assert block.text is not None
-    assert block.cell_m is not None
     if frame.in_degrees:
         raise Stop(("coordinates",), "wgs84 does not go with area.text: a typed map is in metres; write metres")
     try:
-        area, walls = text_map(block.text, block.cell_m)
+        area, walls = text_map(block["text"], block["cell_m"])
     except MissionError as error:
         raise Stop(("area", "text"), *error.faults) from None
     return area, [Obstacle(shape=walls)] if not walls.is_empty else []
@@ -162,11 +150,12 @@ def _extent_fault(area: MultiPolygon) -> str | None:
     """What is wrong with where an area begins and ends, in words, or None."""
     left, bottom, right, top = area.bounds
     farthest_m = max(abs(left), abs(bottom), abs(right), abs(top))
-    if not farthest_m <= FARTHEST_M:
-        return f"reaches {farthest_m:.6g} m from (0, 0); at most {FARTHEST_M:,.0f} m are allowed"
+    least_m, most_m = LENGTH
+    if not farthest_m <= most_m:
+        return f"reaches {farthest_m:.6g} m from (0, 0); at most {most_m:,.0f} m are allowed"
     across_m = min(right - left, top - bottom)
-    if across_m < SMALLEST_M:
-        return f"is {across_m:.6g} m across; at least {SMALLEST_M:g} m are needed"
+    if across_m < least_m:
+        return f"is {across_m:.6g} m across; at least {least_m:g} m are needed"
     return None
 
 
@@ -175,12 +164,12 @@ def _extent_fault(area: MultiPolygon) -> str | None:
 
 def _importance(frame: Frame, data: dict[str, Any], site: Site, noticed: Noticed) -> float | ImportanceMap | None:
     """What the ground is worth outside zones, a number or a map."""
-    given = _valid(_IMPORTANCE, data.get("importance"))
-    if not isinstance(given, ImportanceBlock):
-        return None if given is None else float(given)
-    scale = None if given.black is None or given.white is None else (given.black, given.white)
+    told = _valid(data, "importance")
+    if not isinstance(told, dict):
+        return None if told is None else float(told)
+    scale = (told["black"], told["white"]) if given(told, "black") and given(told, "white") else None
     try:
-        return read_importance_map(frame.file(given.map), site, scale)
+        return read_importance_map(frame.file(told["map"]), site, scale)
     except MissionError as error:
         noticed.faults.extend(Fault(("importance", "map"), fault) for fault in error.faults)
     return None
@@ -189,7 +178,7 @@ def _importance(frame: Frame, data: dict[str, Any], site: Site, noticed: Noticed
 def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Obstacle]:
     """The obstacles that can be read."""
     obstacles = []
-    for place, entry in _entries(data, "obstacles", _OBSTACLE):
+    for place, entry in _entries(data, "obstacles"):
         try:
             shape = shape_in_metres(frame, place, entry, noticed.warnings)
         except Stop as stop:
@@ -197,10 +186,7 @@ def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: 
             continue
         if not shape.intersects(area):
             noticed.warnings.append(Fault(place, "lies wholly outside the area"))
-        block = isinstance(entry, ObstacleBlock)
-        obstacles.append(
-            Obstacle(shape=shape, blocks=entry.blocks, asks=entry.asks) if block else Obstacle(shape=shape)
-        )
+        obstacles.append(Obstacle(**_own(Obstacle, entry), shape=shape))
     return obstacles
 
 
@@ -208,7 +194,7 @@ def _zones(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noti
     """The zones that can be read, without what sticks out of the area."""
     zones: list[Zone] = []
     taken: set[str] = set()
-    for place, entry in _entries(data, "zones", _ZONE):
+    for place, entry in _entries(data, "zones"):
         try:
             for where, zone in _zones_of(frame, place, entry, taken, noticed):
                 _require_free_name(where, zone.name, taken)
@@ -220,66 +206,62 @@ def _zones(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noti
 
 
 def _zones_of(
-    frame: Frame, place: Place, entry: ZoneBlock, taken: set[str], noticed: Noticed
+    frame: Frame, place: Place, entry: Values, taken: set[str], noticed: Noticed
 ) -> Iterator[tuple[Place, Zone]]:
     """The zones of an entry, each with the place of its name: one with a shape, or those of a GeoJSON file."""
-    if entry.geojson is not None:
+    if given(entry, "geojson"):
         yield from _zones_of_file(frame, place, entry, taken, noticed)
         return
-    assert entry.name is not None
     shape = shape_in_metres(frame, place, entry, noticed.warnings)
-    told = Zone(name=entry.name, shape=shape, period_s=entry.period_s, demand=entry.demand, importance=entry.importance)
-    yield (*place, "name"), told
+    yield (*place, "name"), Zone(**{"period_s": None, **_own(Zone, entry), "shape": shape})
 
 
 def _zones_of_file(
-    frame: Frame, place: Place, entry: ZoneBlock, taken: set[str], noticed: Noticed
+    frame: Frame, place: Place, entry: Values, taken: set[str], noticed: Noticed
 ) -> Iterator[tuple[Place, Zone]]:
     """One zone per feature of the GeoJSON file, with the place of its name; nameless ones get names not ``taken``."""
     features = features_of(frame, place, entry, noticed.warnings)
-    if entry.name is not None and len(features) > 1:
+    if given(entry, "name") and len(features) > 1:
         message = f"{len(features)} features cannot share one name; name them in the file, or pick one by feature"
         raise Stop((*place, "name"), message)
     named = {feature.name for feature in features} | taken
     free_names = (name for k in range(1, len(named) + len(features) + 2) if (name := f"zone-{k}") not in named)
     source = (*place, "geojson")
     for feature in features:
-        name = entry.name or feature.name or next(free_names)
+        name = entry.get("name") or feature.name or next(free_names)
         shape = to_metres(frame, source, feature.shape)
         importance = _feature_importance(source, entry, feature)
         period_s, demand = _feature_demand(source, entry, feature, importance)
-        yield source, Zone(name=name, shape=shape, period_s=period_s, demand=demand, importance=importance)
+        told = {"name": name, "shape": shape, "period_s": period_s, "demand": demand, "importance": importance}
+        yield source, Zone(**_own(Zone, entry) | told)
 
 
 def _called(feature: Feature) -> str:
     return feature.where + (f" ({feature.name})" if feature.name else "")
 
 
-def _feature_importance(place: Place, entry: ZoneBlock, feature: Feature) -> float | None:
+def _feature_importance(place: Place, entry: Values, feature: Feature) -> float | None:
     """The importance of a feature: its own property, or else that beside the file's name."""
-    told = feature.properties.get("importance", entry.importance)
-    try:
-        return _ZONE_IMPORTANCE.validate_python(told)
-    except ValidationError:
-        raise Stop(place, f"{_called(feature)} has importance {shown(told)}; {ALLOWED}") from None
+    told = feature.properties.get("importance", entry.get("importance"))
+    value, wrong = read_field(mission_field("zones", "importance"), told)
+    if wrong:
+        raise Stop(place, f"{_called(feature)} has importance {shown(told)}; {ALLOWED}")
+    return None if value is None else float(value)
 
 
 def _feature_demand(
-    place: Place, entry: ZoneBlock, feature: Feature, importance: float | None
+    place: Place, entry: Values, feature: Feature, importance: float | None
 ) -> tuple[float | None, Demand]:
     """Period and demand of a feature: its own properties, or else those beside the file's name."""
-    where, periodic = _called(feature), "period_s" in feature.properties or "period_s" in entry.model_fields_set
+    where, periodic = _called(feature), "period_s" in feature.properties or "period_s" in entry
     if not periodic and importance is None:
         raise Stop(place, f"{where} has no property period_s; give it one in the file, or period_s beside geojson")
-    period = feature.properties.get("period_s", entry.period_s)
-    try:
-        period_s = _PERIOD.validate_python(period)
-    except ValidationError:
-        period_s = -1.0
-    if period_s is not None and period_s <= 0:
-        allowed = f"a number of seconds from {SHORTEST_S:g} to {LONGEST_S:.9g}, or null, is needed"
+    period = feature.properties.get("period_s", entry.get("period_s"))
+    period_s, wrong = read_field(mission_field("zones", "period_s"), period)
+    if wrong:
+        allowed = f"a number of seconds from {DURATION[0]:g} to {DURATION[1]:.9g}, or null, is needed"
         raise Stop(place, f"{where} has period_s {shown(period)}; {allowed}")
-    demand = feature.properties.get("demand", entry.demand)
+    demand = feature.properties.get("demand", entry.get("demand", "every_point"))
     if demand not in ("every_point", "visit"):
         raise Stop(place, f"{where} has demand {shown(demand)}; every_point or visit is needed")
     return period_s, demand
@@ -310,18 +292,20 @@ def _cut(place: Place, zone: Zone, area: MultiPolygon, noticed: Noticed) -> Zone
     return replace(zone, shape=inside)
 
 
-def _entries(data: dict[str, Any], key: str, adapter: TypeAdapter[Any]) -> Iterable[tuple[Place, Any]]:
+def _entries(data: dict[str, Any], key: str) -> Iterable[tuple[Place, Any]]:
     """The entries of a list that keep to the schema, with their places."""
     listed = data.get(key)
     for k, raw in enumerate(listed if isinstance(listed, list) else []):
-        entry = _valid(adapter, raw)
+        entry = _valid({key: raw}, key)
         if entry is not None:
             yield (key, k), entry
 
 
-def _valid(adapter: TypeAdapter[Any], value: Any) -> Any:
-    """The value as its schema reads it; None where it breaks the schema."""
-    try:
-        return adapter.validate_python(value)
-    except ValidationError:
-        return None
+def _valid(data: Values, key: str) -> Any:
+    """The value of a key, or an entry of its list, as its field reads it; None where it is absent or at fault."""
+    return read_field(mission_field(key), data[key])[0] if key in data else None
+
+
+def _own(kind: type[Any], entry: Any) -> Values:
+    """What an entry gives for the fields of its type."""
+    return {item.name: entry[item.name] for item in fields_of(kind) if isinstance(entry, dict) and item.name in entry}

@@ -1,289 +1,257 @@
-"""The keys of a mission file and the values they take: one pydantic schema for YAML and JSON."""
+"""The keys of a mission file and the values they take: the fields of the model, and what only files have.
+
+The model says what a field means and takes. Here stand the shapes of places, and what keys say together.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
+from shapely import MultiPolygon
 
-from rota.files.motion_schema import ON_THE_FLOOR, WITH_SPEED, MotionBlock
-from rota.files.schema_block import (
-    Block,
-    Duration,
-    Importance,
-    Length,
-    LengthOrZero,
-    Moment,
-    Positive,
-    Rate,
-    Text,
-    Where,
+from rota.files.blocks import Block, block_of, field_in, fields_in
+from rota.files.shape_schema import (
+    AREA_NEEDED,
+    AREA_SOURCES,
+    SHAPE_NEEDED,
+    SOURCES,
+    TEXT,
+    Area,
+    Ring,
+    Shape,
+    area_faults,
     given_of,
+    one_of,
+    rings_of,
+    shape_faults,
 )
-from rota.files.settings_schema import settings_field
-from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
-from rota.model.mission import all_refused
+from rota.model.fields import REQUIRED, Field, field_of, fields_of, flat_fields_of
+from rota.model.fleet import ROBOTS_NEEDED, Abilities, Fleet, Robot, Start
+from rota.model.importance import IMPORTANCE, ImportanceMap
+from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refused
 from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
-from rota.model.refusals import fleet_blocks, inner
+from rota.model.refusals import Where, fleet_blocks, inner
 from rota.planning.planner import loadable_planners, planner_named
+from rota.vehicles.presets import VEHICLES
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
+DRIVING = tuple(item.name for item in flat_fields_of(Abilities))
+PRESETS = {name: each.preset(DRIVING) for name, each in VEHICLES.items()}
+ON_THE_FLOOR = [each.name for each in VEHICLES.values() if not each.flies]
+WITH_SPEED: list[Any] = [each.name for each in VEHICLES.values() if each.speed_m_s is not None]
 
 
-class MovingObstacleBlock(Block):
-    """A disc that moves along timed points."""
-
-    radius_m: Length
-    times_s: list[Moment] = Field(min_length=1)
-    positions_m: list[Point] = Field(min_length=1)
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Times that do not rise, and positions that are not as many."""
-        times, positions = data.get("times_s"), data.get("positions_m")
-        if not (isinstance(times, list) and all(isinstance(time, int | float) for time in times)):
-            return
-        for k in range(1, len(times)):
-            if times[k] <= times[k - 1]:
-                yield ("times_s", k), f"{times[k]} does not come after {times[k - 1]}; times must rise"
-        if isinstance(positions, list) and len(positions) != len(times):
-            yield ("positions_m",), f"{len(positions)} positions for {len(times)} times; one for each is needed"
+# ---------------------------------------------------------------- what only files have
 
 
-class SensorBlock(Block):
-    """What a robot sees round itself."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "oneOf": [
-                {"properties": {"shape": {"const": "disc"}}, "required": ["radius_m"]},
-                {"properties": {"shape": {"const": "square"}}, "required": ["side_m"]},
-            ]
-        }
-    )
-
-    shape: Literal["disc", "square"]
-    radius_m: Length | None = None
-    side_m: Length | None = None
-    half_angle_deg: Annotated[Positive, Field(lt=90)] | None = Field(
-        None, description="of a swarm with altitudes_m: the disc grows with height, height x tan, up to radius_m"
-    )
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A disc has a radius, and perhaps an angle, and nothing else; a square has a side."""
-        shape = data.get("shape")
-        if shape not in ("disc", "square"):
-            return
-        needed, other = ("radius_m", "side_m") if shape == "disc" else ("side_m", "radius_m")
-        if data.get(needed) is None:
-            yield (needed,), f"is missing; a {shape} sensor needs it, in metres"
-        if data.get(other) is not None:
-            yield (other,), f"does not belong to a {shape} sensor; it has {needed}"
-        if shape == "square" and data.get("half_angle_deg") is not None:
-            yield ("half_angle_deg",), "does not belong to a square sensor; remove it"
-
-
-class Start(Block):
-    """Where robots start: anywhere in a box, or at given points."""
-
-    model_config = ConfigDict(json_schema_extra=one_of("box", "points"))
-
-    box: tuple[Point, Point] | None = Field(None, description="two opposite corners")
-    points: list[Point] | None = Field(None, min_length=1)
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Exactly one of box and points."""
-        if len(given_of(data, "box", "points")) != 1:
-            yield (), "give exactly one of box and points"
-
-
-class RobotBlock(MotionBlock):
-    """One robot: what is not given is as in the fleet."""
-
-    name: Text
-    speed_m_s: Rate | None = None
-    sensor: SensorBlock | None = None
-    body_radius_m: LengthOrZero | None = None
-    turn_rate_rad_s: Rate | None = None
-    turn_radius_m: LengthOrZero | None = None
-    start: Point | None = None
-    joins_s: Moment = Field(0.0, description="of a swarm: it stands at its start until then, and sees nothing")
-    leaves_s: Moment | None = Field(None, description="of a swarm: it stays where it is then, and sees nothing more")
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A robot that leaves before it joins."""
-        joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
-        if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
-            yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
-
-
-def _robots_kind(value: Any) -> str | None:
-    if value == "fewest":
-        return "<word>"
-    if isinstance(value, int) and not isinstance(value, bool):
-        return "<number>"
-    return "<list>" if isinstance(value, list) else None
-
-
-Robots = Annotated[
-    Annotated[Literal["fewest"], Tag("<word>")]
-    | Annotated[Annotated[int, Field(strict=True, ge=1, le=MOST_ROBOTS)], Tag("<number>")]
-    | Annotated[Annotated[list[RobotBlock], Field(min_length=1, max_length=MOST_ROBOTS)], Tag("<list>")],
-    Discriminator(
-        _robots_kind,
-        custom_error_type="wrong_kind",
-        custom_error_message="fewest, a whole number or a list of {name, ...} is needed",
-    ),
-]
-
-
-class FleetBlock(MotionBlock):
-    """The robots."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "anyOf": [
-                {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},
-                {"required": ["vehicle"], "properties": {"vehicle": {"enum": WITH_SPEED}}},
-            ]
-        }
-    )
-
-    robots: Robots = "fewest"
-    speed_m_s: Rate | None = Field(None, description="required where no vehicle has one")
-    sensor: SensorBlock
-    body_radius_m: LengthOrZero = 0.0
-    turn_rate_rad_s: Rate | None = Field(None, description="null: turning takes no time")
-    turn_radius_m: LengthOrZero = Field(0.0, description="robots turn on arcs of this radius or more; 0: on the spot")
-    altitude_m: Length = Field(30.0, description="for exports")
-    start: Start | None = None
-    entrances: list[Point] | None = Field(
-        None,
-        min_length=1,
-        description="robots are only where their bodies can come to from one of these; null: anywhere; absent:"
-        " anywhere, and on a ROS map where they can come to from inside or from their starts",
-    )
-    rally_points: list[Point] = Field(
-        [], description="where robots that fly may land instead of at home, when they return by themselves"
-    )
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """No speed, and no vehicle that has one; vehicles on the floor that land, or whose sensors look down."""
-        if data.get("speed_m_s") is None and data.get("vehicle") not in WITH_SPEED:
-            yield ("speed_m_s",), "is missing; it is required"
-        if data.get("rally_points") and data.get("vehicle") in ON_THE_FLOOR:
-            yield ("rally_points",), f"{data['vehicle']} keeps to the floor, and lands nowhere: remove them"
-        for where, block in fleet_blocks({"fleet": data}):
-            vehicle, sensor = (inner(block, key) or data.get(key) for key in ("vehicle", "sensor"))
-            told = any(inner(block, key) is not None for key in ("vehicle", "sensor"))
-            if told and vehicle in ON_THE_FLOOR and inner(sensor, "half_angle_deg") is not None:
-                place = (*where[1:], "vehicle" if inner(block, "vehicle") else "sensor")
-                yield place, f"{vehicle} keeps to the floor, and this sensor looks down from above: give another one"
-
-
-class OriginBlock(Block):
-    """Where on the globe the local (0, 0) lies, WGS84 degrees."""
-
-    lat: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-90, le=90)]
-    lon: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-180, le=180)]
-
-
-class ImportanceBlock(Block):
-    """A map of what a square metre of ground is worth to a swarm."""
-
-    map: Text = Field(description="path of a picture (PNG, PGM), spread over the area with north up, or of a GeoTIFF")
-    black: Importance | None = Field(None, description="what a square metre is worth where a picture is black")
-    white: Importance | None = Field(None, description="and where it is white; a GeoTIFF holds importance without them")
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """One of black and white without the other."""
-        given = given_of(data, "black", "white")
-        if len(given) == 1:
-            missing = "white" if given == ["black"] else "black"
-            yield (missing,), f"is missing; it goes with {given[0]}"
-
-
-def _number_or_block(value: Any) -> str | None:
-    if isinstance(value, dict | ImportanceBlock):
-        return "<block>"
-    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
-
-
-GroundImportance = Annotated[
-    Annotated[Importance, Tag("<number>")] | Annotated[ImportanceBlock, Tag("<block>")],
-    Discriminator(
-        _number_or_block,
-        custom_error_type="wrong_kind",
-        custom_error_message="a number from 0 on or {map: FILE, black: ..., white: ...} is needed",
-    ),
-]
-
-
-class MissionFile(Block):
+@dataclass(frozen=True, kw_only=True)
+class MissionFile:
     """A mission: an area to watch, obstacles, zones with revisit periods, and a fleet."""
 
-    rota: Literal[1] = Field(description="version of this format")
-    name: Text
-    coordinates: Literal["metres", "wgs84"] = "metres"
-    origin: OriginBlock | None = None
-    area: Area
-    obstacles: list[ObstacleEntry] = Field(default=[])
-    moving_obstacles: list[MovingObstacleBlock] = Field(default=[])
-    period_s: Duration | None = Field(None, description="for the area outside zones; null: nothing is asked there")
-    unseeable: Literal["exclude", "refuse"] = "exclude"
-    holds_within_s: Moment | None = Field(
-        None, description="robots are in their loops, from when on periods hold, within so many seconds; null: any time"
+    rota: Literal[1] = field_of(meaning="version of this format")
+    coordinates: Literal["metres", "wgs84"] = field_of(
+        "metres", "metres: x east, y north; wgs84: longitude first, then latitude, in degrees"
     )
-    importance: GroundImportance | None = Field(
-        None,
-        description="of a swarm: what a square metre outside zones with an importance is worth, or a map; null: 1",
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportanceFile:
+    """A map of what a square metre of ground is worth to a swarm."""
+
+    map: str = field_of(
+        meaning="path of a picture (PNG, PGM), spread over the area with north up, or of a GeoTIFF", count=TEXT
     )
-    zones: list[ZoneBlock] = Field(default=[])
-    fleet: FleetBlock
-    planner: str = DEFAULT
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """The values that the block of the mission's planner gives."""
-        return getattr(self, self.planner) or {}
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """What the planner cannot use, settings of another planner, and an origin that is given twice."""
-        planner = data.get("planner", DEFAULT)
-        if planner in planner_names():
-            for other in planner_names():
-                if other != planner and data.get(other) is not None:
-                    yield (other,), f"settings of another planner; planner is {planner}: remove this block"
-        yield from all_refused(planner_named(planner).settings if planner in planner_names() else None, data)
-        zones = data.get("zones")
-        for k, zone in enumerate(zones if isinstance(zones, list) and data.get("period_s") is not None else []):
-            if inner(zone, "importance") is not None and not {"period_s", "geojson"} & set(zone):
-                message = "is missing; the area has one: give seconds, or null to ask nothing in this zone"
-                yield ("zones", k, "period_s"), message
-        if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
-            yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
+    black: float | None = field_of(None, "what a square metre is worth where a picture is black", **IMPORTANCE)
+    white: float | None = field_of(None, "and where it is white; a GeoTIFF holds importance without them", **IMPORTANCE)
 
 
-def mission_file_type(data: object = None) -> type[MissionFile]:
-    """The model of a mission file, with a block for each planner of this package and each that ``data`` names.
+@dataclass(frozen=True, kw_only=True)
+class _Forms:
+    """Of what the model has in one form and files in several."""
+
+    area: Ring | Area = rings_of(REQUIRED, needs=AREA_NEEDED)
+    obstacle: Ring | Obstacle = rings_of(needs=SHAPE_NEEDED)
+    name: str | None = field_of(None, "for people", count=TEXT)
+    robots: Literal["fewest"] | int | tuple[Robot, ...] = field_of(
+        "fewest", "as few as possible, so many, or a list with what differs", least=1, most=MOST_ROBOTS,
+        count=((1, MOST_ROBOTS),), needs=ROBOTS_NEEDED,
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- what keys say together
+
+
+def moving_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Times that do not rise, and positions that are not as many."""
+    times, positions = data.get("times_s"), data.get("positions_m")
+    if not (isinstance(times, list) and all(isinstance(time, int | float) for time in times)):
+        return
+    for k in range(1, len(times)):
+        if times[k] <= times[k - 1]:
+            yield ("times_s", k), f"{times[k]} does not come after {times[k - 1]}; times must rise"
+    if isinstance(positions, list) and len(positions) != len(times):
+        yield ("positions_m",), f"{len(positions)} positions for {len(times)} times; one for each is needed"
+
+
+def robot_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """A robot that leaves before it joins."""
+    joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
+    if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
+        yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
+
+
+def start_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Exactly one of box and points."""
+    if len(given_of(data, "box", "points")) != 1:
+        yield (), "give exactly one of box and points"
+
+
+def fleet_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """No speed, and no vehicle that has one; vehicles on the floor that land, or whose sensors look down."""
+    if data.get("speed_m_s") is None and data.get("vehicle") not in WITH_SPEED:
+        yield ("speed_m_s",), "is missing; it is required"
+    if data.get("rally_points") and data.get("vehicle") in ON_THE_FLOOR:
+        yield ("rally_points",), f"{data['vehicle']} keeps to the floor, and lands nowhere: remove them"
+    for where, block in fleet_blocks({"fleet": data}):
+        vehicle, sensor = (inner(block, key) or data.get(key) for key in ("vehicle", "sensor"))
+        told = any(inner(block, key) is not None for key in ("vehicle", "sensor"))
+        if told and vehicle in ON_THE_FLOOR and inner(sensor, "half_angle_deg") is not None:
+            place = (*where[1:], "vehicle" if inner(block, "vehicle") else "sensor")
+            yield place, f"{vehicle} keeps to the floor, and this sensor looks down from above: give another one"
+
+
+def importance_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """One of black and white without the other."""
+    given = given_of(data, "black", "white")
+    if len(given) == 1:
+        missing = "white" if given == ["black"] else "black"
+        yield (missing,), f"is missing; it goes with {given[0]}"
+
+
+def zone_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """As of a shape; a zone that is no GeoJSON file needs a name, and a period or an importance."""
+    yield from shape_faults(data)
+    if data.get("geojson") is None:
+        if data.get("name") is None:
+            yield ("name",), "is missing; give the zone a name"
+        if "period_s" not in data and data.get("importance") is None:
+            yield ("period_s",), "is missing; give seconds, or null to ask nothing in this zone"
+
+
+def mission_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """What the planner cannot use, settings of another planner, and an origin that is given twice."""
+    planner = data.get("planner", DEFAULT)
+    if planner in planner_names():
+        for other in planner_names():
+            if other != planner and data.get(other) is not None:
+                yield (other,), f"settings of another planner; planner is {planner}: remove this block"
+    yield from all_refused(planner_named(planner).settings if planner in planner_names() else None, data)
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) and data.get("period_s") is not None else []):
+        if inner(zone, "importance") is not None and not {"period_s", "geojson"} & set(zone):
+            message = "is missing; the area has one: give seconds, or null to ask nothing in this zone"
+            yield ("zones", k, "period_s"), message
+    if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
+        yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
+
+
+# ---------------------------------------------------------------- the blocks
+
+
+def _blocks() -> dict[Any, Block | Field]:
+    """The blocks and fields of the model's types that are not just so in mission files."""
+    vehicle: dict[str, Any] = {"kind": "option", "options": tuple(VEHICLES), "count": None}
+    vehicle["says"] = {"group": "motion", "presets": PRESETS}
+
+    def placed(kind: type[Any], *free: Field, rules: Any, says: Any) -> Block:
+        """What lies on the ground: a shape beside its other fields; those ``free`` need not be given."""
+        given = {item.name: item for item in free}
+        own = [given.pop(each.name, each) for each in fields_in(kind, "mission") if each.name != "shape"]
+        fields = (*fields_in(Shape, "mission"), *given.values(), *own)
+        return replace(block_of(kind, "mission", rules=rules, says=says), fields=fields)
+
+    def driven(kind: type[Any], **more: Any) -> Block:
+        """What drives: a fleet or a robot, with the vehicles that are known."""
+        block = block_of(kind, "mission", known, **more)
+        return replace(
+            block, fields=tuple(replace(each, **vehicle) if each.name == "vehicle" else each for each in block.fields)
+        )
+
+    forms = {item.name: item for item in fields_of(_Forms)}
+    zone = {item.name: item for item in fields_in(Zone, "mission")}
+    needs = ({"required": [*keys]} for keys in (("geojson",), ("name", "period_s"), ("name", "importance")))
+    known: dict[Any, Block | Field] = {
+        Area: block_of(Area, "mission", rules=area_faults, says=one_of(AREA_SOURCES)),
+        ImportanceMap: block_of(ImportanceFile, "mission", rules=importance_faults),
+        MovingObstacle: block_of(MovingObstacle, "mission", rules=moving_faults),
+        Start: block_of(Start, "mission", rules=start_faults, says=one_of(("box", "points"))),
+        Zone: placed(
+            Zone,
+            replace(zone["name"], needed=False, optional=True, default=None),
+            replace(zone["period_s"], needed=False, default=None),
+            rules=zone_faults,
+            says=one_of(SOURCES, anyOf=list(needs)),
+        ),
+    }
+    known[MultiPolygon] = field_in(forms["area"], "mission", known)
+    obstacle = placed(Obstacle, field_in(forms["name"], "mission"), rules=shape_faults, says=one_of(SOURCES))
+    known[Obstacle] = field_in(forms["obstacle"], "mission", {Obstacle: obstacle})
+    known[Robot] = driven(Robot, rules=robot_faults)
+    known["robots"] = field_in(forms["robots"], "mission", known)
+    with_speed = [
+        {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},
+        {"required": ["vehicle"], "properties": {"vehicle": {"enum": WITH_SPEED}}},
+    ]
+    known[Fleet] = driven(Fleet, rules=fleet_faults, says={"anyOf": with_speed})
+    return known
+
+
+SETTINGS = Field(name="settings", kind="block", optional=True, default=None)
+
+
+@cache
+def _known() -> dict[Any, Block | Field]:
+    return _blocks()
+
+
+def mission_block(data: object = None) -> Block:
+    """The block of a mission file, with one for each planner of this package and each that ``data`` names.
 
     data: a file as it was read; None: all planners have their blocks.
     """
     named = (data.get("planner"), *data) if isinstance(data, dict) else loadable_planners() if data is None else ()
-    return _mission_file_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+    return _mission_block(tuple(name for name in planner_names() if name in PLANNERS or name in named))
 
 
 @cache
-def _mission_file_type(names: tuple[str, ...]) -> type[MissionFile]:
-    blocks = {name: settings_field(planner_named(name).settings, in_mission_file=True) for name in names}
-    fields: dict[str, Any] = {name: (block, None) for name, block in blocks.items()}
-    chosen: Any = Literal[planner_names()]
-    return create_model("MissionFile", __base__=MissionFile, planner=(chosen, DEFAULT), **fields)
+def _mission_block(names: tuple[str, ...]) -> Block:
+    """The same, for planners of these names."""
+    fields = [item for item in fields_in(Mission, "mission", _known()) if item.name != "planning"]
+    planner = Field(name="planner", kind="option", options=planner_names(), default=DEFAULT)
+    settings = [
+        Field(
+            name=name,
+            kind="block",
+            block=block_of(planner_named(name).settings, "mission"),
+            optional=True,
+            default=None,
+        )
+        for name in names
+    ]
+    version, coordinates = fields_in(MissionFile, "mission")
+    name, *others = fields
+    block = block_of(MissionFile, "mission", rules=mission_faults)
+    return replace(block, fields=(version, name, coordinates, *others, planner, *settings))
+
+
+def mission_field(*path: str) -> Field:
+    """A field of a mission file, by the names on the way to it; of lists, those of their entries."""
+    block = mission_block({})
+    for name in path:
+        item = next(each for each in block.fields if each.name == name)
+        item = item.item if item.kind == "list" and item.item is not None else item
+        block = item.block
+    return item

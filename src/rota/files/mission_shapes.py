@@ -10,12 +10,11 @@ import numpy as np
 from shapely import MultiPolygon, Polygon, transform, unary_union
 
 from rota.errors import MissionError
+from rota.files.blocks import Fault
 from rota.files.geodesy import Projection, require_degrees
 from rota.files.geojson_shapes import Feature, pick_feature, read_features
 from rota.files.local_file import local_file
 from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault
-from rota.files.schema_faults import Fault
-from rota.files.shape_schema import Circle, Holed, Shape
 from rota.files.yaml_text import Place
 from rota.model.polygons import polygons_of
 
@@ -50,6 +49,11 @@ class Frame:
         return local_file(self.folder, name, confine_to=self.confine_to)
 
 
+def given(entry: Any, key: str) -> bool:
+    """Whether an entry of the file is a block that gives a value for the key."""
+    return isinstance(entry, dict) and entry.get(key) is not None
+
+
 class Written(NamedTuple):
     """A shape in the coordinates in which it is written, and the place of its source."""
 
@@ -60,15 +64,15 @@ class Written(NamedTuple):
 
 def shape_in_metres(frame: Frame, place: Place, entry: Any, warnings: list[Fault]) -> MultiPolygon:
     """The ring, block or file ``entry`` in local metres; raises Stop when it is no shape. Adds to ``warnings``."""
-    if isinstance(entry, Shape) and entry.circle is not None:
-        return _circle(frame, (*place, "circle"), entry.circle)
+    if given(entry, "circle"):
+        return _circle(frame, (*place, "circle"), entry["circle"])
     written = shape_as_written(frame, place, entry, warnings)
     return to_metres(frame, written.source, written.shape) if written.in_degrees else written.shape
 
 
 def shape_as_written(frame: Frame, place: Place, entry: Any, warnings: list[Fault]) -> Written:
     """The ring, block or file ``entry``, no circle, as it is written; raises Stop. Adds to ``warnings``."""
-    if isinstance(entry, Shape) and entry.geojson is not None:
+    if given(entry, "geojson"):
         features = features_of(frame, place, entry, warnings)
         return Written(polygons_of(unary_union([feature.shape for feature in features])), True, (*place, "geojson"))
     place, outer, holes = _rings(place, entry)
@@ -82,21 +86,20 @@ def shape_as_written(frame: Frame, place: Place, entry: Any, warnings: list[Faul
     return Written(MultiPolygon([polygon]), frame.in_degrees, place)
 
 
-def features_of(frame: Frame, place: Place, entry: Shape, warnings: list[Fault]) -> tuple[Feature, ...]:
+def features_of(frame: Frame, place: Place, entry: dict[str, Any], warnings: list[Fault]) -> tuple[Feature, ...]:
     """The polygons of the GeoJSON file that ``entry`` names, or the one it picks; raises Stop. Adds to ``warnings``."""
-    assert entry.geojson is not None
     try:
-        path = frame.file(entry.geojson)
+        path = frame.file(entry["geojson"])
         features, without_polygons = read_features(path)
     except MissionError as error:
         raise Stop((*place, "geojson"), *error.faults) from None
     if without_polygons:
         message = f"{without_polygons} features of {path} hold no polygon and are passed over"
         warnings.append(Fault((*place, "geojson"), message))
-    if entry.feature is None:
+    if entry.get("feature") is None:
         return features
     try:
-        return (pick_feature(features, entry.feature, path),)
+        return (pick_feature(features, entry["feature"], path),)
     except MissionError as error:
         raise Stop((*place, "feature"), *error.faults) from None
 
@@ -119,21 +122,21 @@ def to_metres(frame: Frame, place: Place, degrees: MultiPolygon) -> MultiPolygon
 
 def _rings(place: Place, entry: Any) -> tuple[Place, Any, list[Any]]:
     """Where the rings of ``entry`` stand, the outer one, and its holes."""
-    if isinstance(entry, Shape) and entry.outer is not None:
-        return (*place, "outer"), entry.outer, entry.holes or []
-    if isinstance(entry, Shape):
-        place, entry = (*place, "ring"), entry.ring
-    return (place, entry.outer, entry.holes) if isinstance(entry, Holed) else (place, entry, [])
+    if given(entry, "outer"):
+        return (*place, "outer"), entry["outer"], entry.get("holes") or []
+    if isinstance(entry, dict):
+        place, entry = (*place, "ring"), entry["ring"]
+    return (place, entry["outer"], entry.get("holes", [])) if isinstance(entry, dict) else (place, entry, [])
 
 
-def _circle(frame: Frame, place: Place, circle: Circle) -> MultiPolygon:
+def _circle(frame: Frame, place: Place, circle: dict[str, Any]) -> MultiPolygon:
     """A circle as the polygon that contains it, in local metres."""
-    centre = np.array([circle.centre])
+    centre = np.array([circle["centre"]])
     if frame.in_degrees:
         _require_on_globe((*place, "centre"), centre)
         assert frame.projection is not None
         centre = np.column_stack(frame.projection.to_metres(*centre.T))
-    return MultiPolygon([Polygon(circle_ring((centre[0, 0], centre[0, 1]), circle.radius_m))])
+    return MultiPolygon([Polygon(circle_ring((centre[0, 0], centre[0, 1]), circle["radius_m"]))])
 
 
 def _require_on_globe(place: Place, points: Any) -> None:

@@ -9,14 +9,14 @@ from typing import NamedTuple
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
+from rota.files.blocks import Fault
 from rota.files.geodesy import Projection
 from rota.files.map_entrances import entrances_on_map
+from rota.files.mission_fleet import Values, listed_robots
 from rota.files.mission_ground import Ground
-from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock
-from rota.files.schema_faults import Fault
-from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Place
 from rota.model.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
+from rota.model.planner_registry import DEFAULT
 from rota.model.refusals import path_of
 from rota.planning.planner import planner_named
 
@@ -32,20 +32,21 @@ class _Written(NamedTuple):
     point: tuple[float, float]
 
 
-def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tuple[Fleet, list[Fault]]:
+def fleet_at_its_starts(fleet: Fleet, file: Values, ground: Ground) -> tuple[Fleet, list[Fault]]:
     """The fleet with its starts and entrances in local metres, and what is wrong with them.
 
     Named robots without a start of their own take the points in their order, one each. A fleet with faults is returned
     without starts and entrances.
     """
-    block = file.fleet
-    to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
+    block = file["fleet"]
+    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
     try:
         if fleet.robots is None:
             placed, where = _placed_fewest(fleet, block, to_metres)
         else:
             placed, where = _placed_robots(fleet, block, to_metres)
-        placed = replace(placed, entrances=_entrances(block, to_metres), rally_points=_rally_points(block, to_metres))
+        rally_points = _places(block, RALLY_POINTS, to_metres) or ()
+        placed = replace(placed, entrances=_places(block, ENTRANCES, to_metres), rally_points=rally_points)
         if (inside := _inside(file)) is not None:
             placed = replace(placed, entrances=entrances_on_map(inside, placed, ground.area, _blocking(ground)))
     except _Misplaced as error:
@@ -64,7 +65,7 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
     return placed, []
 
 
-def moved_in(mission: Mission, file: MissionFile) -> list[Fault]:
+def moved_in(mission: Mission, file: Values) -> list[Fault]:
     """A warning where no body fits at the point inside a map, so that robots come in elsewhere."""
     inside, entrances = _inside(file), mission.fleet.entrances
     if inside is None or entrances is None or entrances[0] == inside:
@@ -73,25 +74,27 @@ def moved_in(mission: Mission, file: MissionFile) -> list[Fault]:
     return [Fault(("area", "inside"), f"no body fits there; robots come in at [{x:.6g}, {y:.6g}], {away_m:.3g} m away")]
 
 
-def moving_obstacles(file: MissionFile, ground: Ground) -> tuple[MovingObstacle, ...]:
+def moving_obstacles(file: Values, ground: Ground) -> tuple[MovingObstacle, ...]:
     """The mission's moving obstacles in local metres. Raises MissionError for a place that no projection holds."""
-    to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
+    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
     moving = []
-    for k, block in enumerate(file.moving_obstacles):
-        written = [_Written(("moving_obstacles", k, "positions_m", j), at) for j, at in enumerate(block.positions_m)]
+    for k, block in enumerate(file.get("moving_obstacles", ())):
+        places = enumerate(block["positions_m"])
+        written = [_Written(("moving_obstacles", k, "positions_m", j), at) for j, at in places]
         try:
             positions = tuple(map(to_metres, written))
         except _Misplaced as error:
             raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
-        moving.append(MovingObstacle(radius_m=block.radius_m, times_s=tuple(block.times_s), positions_m=positions))
+        moving.append(MovingObstacle(**{**block, "positions_m": positions}))
     return tuple(moving)
 
 
-def _inside(file: MissionFile) -> tuple[float, float] | None:
+def _inside(file: Values) -> tuple[float, float] | None:
     """The point in a map at which robots come in; None where there is no map, or the fleet says where they may be."""
-    is_told = "entrances" in file.fleet.model_fields_set
-    heeded = planner_named(file.planner).settings.heeds_entrances
-    return file.area.inside if isinstance(file.area, AreaBlock) and heeded and not is_told else None
+    if "entrances" in file["fleet"] or not isinstance(file["area"], dict):
+        return None
+    heeded = planner_named(file.get("planner", DEFAULT)).settings.heeds_entrances
+    return file["area"].get("inside") if heeded else None
 
 
 def _blocking(ground: Ground) -> list[MultiPolygon]:
@@ -121,40 +124,37 @@ class _Metres:
         return float(east[0]), float(north[0])
 
 
-def _corner_places(block: FleetBlock) -> dict[str, Place]:
+def _corner_places(block: Values) -> dict[str, Place]:
     """Where corners that are cut stand: where they are given, else with the vehicle that presets them."""
-    blocks: list[tuple[Place, FleetBlock | RobotBlock]] = [(("fleet",), block)]
-    if isinstance(block.robots, list):
-        blocks += [(("fleet", "robots", k), robot) for k, robot in enumerate(block.robots)]
+    blocks: list[tuple[Place, Values]] = [(("fleet",), block)]
+    blocks += [(("fleet", "robots", k), robot) for k, robot in enumerate(listed_robots(block))]
     return {
-        f"{path_of(place)}.corner_m": (*place, "corner_m" if each.corner_m is not None else "vehicle")
+        f"{path_of(place)}.corner_m": (*place, "corner_m" if each.get("corner_m") is not None else "vehicle")
         for place, each in blocks
     }
 
 
-def _box(block: FleetBlock, to_metres: _Metres) -> StartBox | None:
-    if block.start is None or block.start.box is None:
+def _box(block: Values, to_metres: _Metres) -> StartBox | None:
+    box = (block.get("start") or {}).get("box")
+    if box is None:
         return None
-    low, high = (to_metres(_Written((*START, "box"), point)) for point in block.start.box)
+    low, high = (to_metres(_Written((*START, "box"), point)) for point in box)
     return StartBox(low_m=low, high_m=high)
 
 
-def _entrances(block: FleetBlock, to_metres: _Metres) -> tuple[tuple[float, float], ...] | None:
-    if block.entrances is None:
+def _places(block: Values, place: Place, to_metres: _Metres) -> tuple[tuple[float, float], ...] | None:
+    given = block.get(str(place[-1]))
+    if given is None:
         return None
-    return tuple(to_metres(_Written((*ENTRANCES, k), point)) for k, point in enumerate(block.entrances))
+    return tuple(to_metres(_Written((*place, k), point)) for k, point in enumerate(given))
 
 
-def _rally_points(block: FleetBlock, to_metres: _Metres) -> tuple[tuple[float, float], ...]:
-    return tuple(to_metres(_Written((*RALLY_POINTS, k), point)) for k, point in enumerate(block.rally_points))
-
-
-def _points(block: FleetBlock) -> list[_Written]:
-    points = block.start.points if block.start is not None else None
+def _points(block: Values) -> list[_Written]:
+    points = (block.get("start") or {}).get("points")
     return [_Written((*START, "points", k), point) for k, point in enumerate(points or [])]
 
 
-def _placed_fewest(fleet: Fleet, block: FleetBlock, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
+def _placed_fewest(fleet: Fleet, block: Values, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
     where: dict[str, Place] = {"fleet.start.box": (*START, "box")}
     points = _points(block)
     if not points:
@@ -163,13 +163,12 @@ def _placed_fewest(fleet: Fleet, block: FleetBlock, to_metres: _Metres) -> tuple
     return replace(fleet, start=StartPoints(points_m=tuple(map(to_metres, points)))), where
 
 
-def _placed_robots(fleet: Fleet, block: FleetBlock, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
+def _placed_robots(fleet: Fleet, block: Values, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
     assert fleet.robots is not None
-    listed = block.robots if isinstance(block.robots, list) else []
     written: list[_Written | None] = [None] * len(fleet.robots)
-    for k, robot in enumerate(listed):
-        if robot.start is not None:
-            written[k] = _Written(("fleet", "robots", k, "start"), robot.start)
+    for k, robot in enumerate(listed_robots(block)):
+        if robot.get("start") is not None:
+            written[k] = _Written(("fleet", "robots", k, "start"), robot["start"])
     points = _points(block)
     waiting = [k for k, start in enumerate(written) if start is None]
     if points and len(points) != len(waiting):

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from shapely import MultiPolygon, affinity, box
 
 from rota.errors import MissionError
+from rota.files.blocks import block_of, positioned, read_block
 from rota.files.local_file import local_file, read_text
 from rota.files.map_image import read_brightness
 from rota.files.pixel_outline import straight_outline
-from rota.files.schema_block import Coordinate, Length, Number
-from rota.files.schema_faults import positioned, schema_faults
 from rota.files.yaml_text import parse_text
+from rota.model.fields import field_of
+from rota.model.limits import COORDINATE, LENGTH
 from rota.model.polygons import polygons_of
 
 Unknown = Literal["map_server reading", "blocked", "free"]
@@ -26,7 +27,6 @@ UNKNOWN_BRIGHTNESS = 205  # what map_saver writes for unknown cells
 MOST_CELLS = 20  # that gaps to close may be wide
 ROUNDING = 1e-6  # cells: 0.15 m are three of 0.05 m
 
-Share = Annotated[Number, Field(ge=0, le=1)]
 Pixels = NDArray[np.bool_]
 
 
@@ -46,19 +46,17 @@ class MapArea(NamedTuple):
     warnings: tuple[str, ...]
 
 
-class MapFile(BaseModel):
+@dataclass(frozen=True, kw_only=True)
+class MapFile:
     """The keys of a map_server .yaml file. ``origin``: x, y of the lower left corner in metres, yaw in radians."""
 
-    # map files carry keys for other programs
-    model_config = ConfigDict(extra="ignore")
-
-    image: Annotated[str, Field(strict=True, min_length=1)]
-    resolution: Length
-    origin: tuple[Coordinate, Coordinate, Coordinate]
-    negate: Literal[0, 1, False, True]
-    occupied_thresh: Share
-    free_thresh: Share
-    mode: Literal["trinary", "scale"] = "trinary"
+    image: str = field_of(count=((1, None),))
+    resolution: float = field_of(written=LENGTH)
+    origin: tuple[float, float, float] = field_of(written=COORDINATE)
+    negate: Literal[0, 1, False, True] = field_of()
+    occupied_thresh: float = field_of(least=0, most=1)
+    free_thresh: float = field_of(least=0, most=1)
+    mode: Literal["trinary", "scale"] = field_of("trinary")
 
 
 def read_map(
@@ -122,14 +120,14 @@ def _read_sheet(path: Path) -> MapFile:
     """The YAML file of a ROS map; MissionError with line and column for what is wrong in it."""
     what = "a ROS map_server .yaml file"
     document = parse_text(read_text(path, what), str(path), what)
-    try:
-        sheet = MapFile.model_validate(document.value)
-    except ValidationError as error:
-        raise MissionError(*positioned(document, schema_faults(document, error))) from None
+    # map files carry keys for other programs
+    sheet, faults = read_block(block_of(MapFile, "mission", makes=MapFile, is_open=True), document.value)
+    if faults:
+        raise MissionError(*positioned(document, faults))
     if sheet.free_thresh > sheet.occupied_thresh:
         message = f"{sheet.free_thresh} is above occupied_thresh {sheet.occupied_thresh}; it must not be"
         raise MissionError(document.line(("free_thresh",), message))
-    return sheet
+    return cast(MapFile, sheet)
 
 
 def _free_cells(path: Path, sheet: MapFile, brightness: Any, unknown: Unknown) -> tuple[Pixels, tuple[str, ...]]:

@@ -7,19 +7,21 @@ import os
 from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-from pydantic import ValidationError
-
-from rota.errors import MissionError, PlanError
+from rota.errors import MissionError, PlanError, RotaError
 from rota.files.atomic_write import write_atomically
+from rota.files.blocks import made, read_block
 from rota.files.json_text import digest_of, unique_keys
 from rota.files.local_file import read_bytes
-from rota.files.mission_json import mission_from_fields, mission_to_json
-from rota.files.plan_faults import named_field, plan_faults
-from rota.files.plan_schema import PLAN_VERSION, RunEndFields, TrajectoryFields, plan_fields_type
-from rota.model.plan import Plan, RunEnd, Trajectory, Waypoints
+from rota.files.mission_json import mission_to_json
+from rota.files.plan_schema import PLAN_VERSION, plan_block
+from rota.model.field_values import as_written
+from rota.model.fields import fields_of
+from rota.model.plan import Plan
+from rota.model.refusals import path_of
 
 Json = dict[str, Any]
+MOST_FAULTS = 20
+_OF_PLAN = {item.key or item.name for item in fields_of(Plan)}
 MADE_BY = "'rota plan' writes one"
 
 
@@ -51,46 +53,16 @@ def _line(value: object) -> str:
 
 def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     """The plan as plain dicts, lists, strings and numbers, as the plan file holds it."""
-    mark: Json = {} if meets_demand else {"meets_demand": False}
-    reason = {} if plan.lower_bound_reason is None else {"lower_bound_reason": plan.lower_bound_reason}
-    end, mission = plan.run_end, mission_to_json(plan.mission)
-    ended = {} if end is None else {"run_end": _run_end_to_json(end)}
+    mission, told = mission_to_json(plan.mission), as_written(plan, without=("mission",))
+    bound = {name: told.pop(name) for name in list(told) if name.startswith("lower_bound")}
+    head = {"rota_plan": PLAN_VERSION, "seed": told.pop("seed"), "mission_sha256": digest_of(mission), **bound}
     return {
-        "rota_plan": PLAN_VERSION,
-        "seed": int(plan.seed),
-        "mission_sha256": digest_of(mission),
-        "lower_bound_robots": None if plan.lower_bound_robots is None else int(plan.lower_bound_robots),
-        **reason,
-        **mark,
-        **ended,
+        **head,
+        **({} if meets_demand else {"meets_demand": False}),
+        **told,
         "mission": mission,
-        "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
+        "robots": told["robots"],
     }
-
-
-def _run_end_to_json(end: RunEnd) -> Json:
-    """How a swarm's run ended."""
-    blocked = {"blocked": list(end.blocked)} if end.blocked else {}
-    return {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason, **blocked}
-
-
-def _trajectory_to_json(trajectory: Trajectory) -> Json:
-    """One robot's trajectory."""
-    headings, accelerations = trajectory.headings_rad, trajectory.accelerations_m_s2
-    return {
-        "name": trajectory.robot,
-        "loop_start_s": trajectory.loop_start_s,
-        "times_s": trajectory.times_s.tolist(),
-        "positions_m": trajectory.positions_m.tolist(),
-        "headings_rad": None if headings is None else headings.tolist(),
-        **({} if accelerations is None else {"accelerations_m_s2": accelerations.tolist()}),
-        **({} if trajectory.waypoints is None else {"waypoints": _waypoints_json(trajectory.waypoints)}),
-    }
-
-
-def _waypoints_json(told: Waypoints) -> Json:
-    """What an autopilot is told."""
-    return {"places_m": told.places_m.tolist(), "times_s": told.times_s.tolist(), "speed_m_s": told.speed_m_s}
 
 
 # ---------------------------------------------------------------- reading
@@ -143,55 +115,19 @@ def plan_from_json(document: object) -> Plan:
     version = document["rota_plan"]
     if version != PLAN_VERSION or isinstance(version, bool):
         raise PlanError(f"rota_plan: version {version!r} is not known; this Rota reads version {PLAN_VERSION}")
-    try:
-        fields = plan_fields_type(document).model_validate(document)
-    except ValidationError as error:
-        raise PlanError("\n".join(plan_faults(error))) from error
-    mission = mission_from_fields(fields.mission)
-    digest = digest_of(document["mission"])
-    if fields.mission_sha256 not in (None, digest):
+    values, faults = read_block(plan_block(document), document)
+    if faults:
+        lines = [f"{path_of(fault.place) or 'plan'}: {fault.message}" for fault in faults]
+        more = len(lines) - MOST_FAULTS
+        raise PlanError("\n".join(lines[:MOST_FAULTS] + [f"and {more} more faults"] * (more > 0)))
+    digest, told = digest_of(document["mission"]), values.get("mission_sha256")
+    if told not in (None, digest):
         raise PlanError(
-            f"mission_sha256: {fields.mission_sha256[:12]}... is not that of the mission, {digest[:12]}...: the mission"
+            f"mission_sha256: {told[:12]}... is not that of the mission, {digest[:12]}...: the mission"
             " was changed after the plan was made. Plan it again, or remove mission_sha256 to have the plan judged for"
             " the mission as it is now"
         )
-    trajectories = tuple(_trajectory(robot, f"robots[{k}]") for k, robot in enumerate(fields.robots))
-    with named_field("run_end"):
-        end = None if fields.run_end is None else _run_end(fields.run_end)
-    with named_field("robots"):
-        return Plan(
-            mission=mission,
-            trajectories=trajectories,
-            seed=fields.seed,
-            lower_bound_robots=fields.lower_bound_robots,
-            lower_bound_reason=fields.lower_bound_reason,
-            run_end=end,
-        )
-
-
-def _run_end(fields: RunEndFields) -> RunEnd:
-    """How a swarm's run ended. Raises PlanError where its fields contradict each other."""
-    return RunEnd(at_rest=fields.at_rest, steps=fields.steps, reason=fields.reason, blocked=tuple(fields.blocked))
-
-
-def _trajectory(fields: TrajectoryFields, field: str) -> Trajectory:
-    """One robot's trajectory. Raises PlanError naming the field that makes none."""
-    n, widths = len(fields.times_s), {len(position) for position in fields.positions_m}
-    if len(widths) > 1:
-        raise PlanError(f"{field}.positions_m: [x, y] and [x, y, z] mixed; all must have as many numbers")
-    for name, values in (("positions_m", fields.positions_m), ("headings_rad", fields.headings_rad)):
-        if values is not None and len(values) != n:
-            raise PlanError(f"{field}.{name}: {len(values)} entries; {n} are needed, one per time in times_s")
-    accelerations = fields.accelerations_m_s2
-    if accelerations is not None and len(accelerations) != n - 1:
-        raise PlanError(f"{field}.accelerations_m_s2: {len(accelerations)} entries; {n - 1} are needed, one per leg")
-    with named_field(field):
-        return Trajectory(
-            robot=fields.name,
-            times_s=np.array(fields.times_s, dtype=np.float64),
-            positions_m=np.array(fields.positions_m, dtype=np.float64),
-            headings_rad=None if fields.headings_rad is None else np.array(fields.headings_rad, dtype=np.float64),
-            accelerations_m_s2=None if accelerations is None else np.array(accelerations, dtype=np.float64),
-            waypoints=None if fields.waypoints is None else Waypoints(**dict(fields.waypoints)),
-            loop_start_s=fields.loop_start_s,
-        )
+    try:
+        return made(Plan, **{name: value for name, value in values.items() if name in _OF_PLAN})
+    except RotaError as error:
+        raise PlanError(f"robots: {error}") from error

@@ -1,289 +1,170 @@
-"""The shape of a plan file: what each field may hold. Read by ``plan_file`` and published as JSON Schema."""
+"""The keys of a plan file and what they hold: the fields of the model, with shapes as rings, and what files add."""
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
+from shapely import MultiPolygon, Polygon
 
-from rota.files.settings_schema import settings_field
-from rota.model.importance import MOST_IMPORTANCE
-from rota.model.limits import LARGEST_M, LONGEST_S
-from rota.model.mission import Asks, Blocks, Demand, Unseeable
-from rota.model.plan import EndReason
+from rota.errors import PlanError
+from rota.files.blocks import Block, block_of, field_in, fields_in, made
+from rota.files.json_schema import file_schema
+from rota.files.mission_schema import start_faults
+from rota.model.fields import Field, field_of, fields_of
+from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
+from rota.model.importance import ImportanceMap
+from rota.model.mission import GeoPoint, Mission, MovingObstacle, Obstacle, Zone
+from rota.model.plan import Plan, RunEnd
 from rota.model.planner_registry import PLANNERS, planner_names
-from rota.model.refusals import inner
+from rota.model.refusals import Where, inner
+from rota.model.trajectory import PLACES, Trajectory, Waypoints
 from rota.planning.planner import loadable_planners, planner_named
 
 PLAN_VERSION = 1
-
-Coordinate = Annotated[float, Field(ge=-LARGEST_M, le=LARGEST_M)]
-Point = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
-Position = Annotated[list[Coordinate], Field(min_length=2, max_length=3)]
-Ring = Annotated[list[Point], Field(min_length=3, description="[x, y] in metres; the first point is not repeated")]
-Polygons = Annotated[
-    list[Annotated[list[Ring], Field(min_length=1, description="outer ring, then holes")]], Field(min_length=1)
-]
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Length = Annotated[float, Field(gt=0, le=LARGEST_M)]
-Radius = Annotated[float, Field(ge=0, le=LARGEST_M)]
-Time = Annotated[float, Field(ge=0, le=LONGEST_S)]
-Period = Annotated[float, Field(gt=0, le=LONGEST_S)]
-Importance = Annotated[float, Field(ge=0, le=MOST_IMPORTANCE)]
-Name = Annotated[str, Field(min_length=1)]
+Rings = tuple[tuple[Place, ...], ...]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
-
-
-class DiscSensorFields(_Strict):
-    """A disc of this radius round the robot, or one that grows with height, height x tan(half angle), up to it."""
-
-    shape: Literal["disc"]
-    radius_m: Length
-    half_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
-
-
-class SquareSensorFields(_Strict):
-    """A square of this side round the robot, along the axes."""
-
-    shape: Literal["square"]
-    side_m: Length
-
-
-SensorFields = Annotated[DiscSensorFields | SquareSensorFields, Field(discriminator="shape")]
-
-
-class MotionFields(_Strict):
-    """Limits of motion of a robot, or of all that have no others; absent: none."""
-
-    vehicle: Annotated[str, Field(min_length=1, description="whose presets these are")] | None = None
-    acceleration_m_s2: Positive | None = None
-    corner_acceleration_m_s2: Positive | None = None
-    jerk_m_s3: Positive | None = None
-    corner_m: Radius = 0.0
-    climb_m_s: Positive | None = None
-    descend_m_s: Positive | None = None
-    top_airspeed_m_s: Positive | None = None
-    wind_m_s: NotNegative = 0.0
-
-
-class RobotFields(MotionFields):
-    """One robot of the fleet."""
-
-    name: Name
-    speed_m_s: Positive
-    sensor: SensorFields
-    body_radius_m: Radius
-    turn_rate_rad_s: Positive | None
-    turn_radius_m: Radius = 0.0
-    start: Point | None
-    joins_s: Time = 0.0
-    leaves_s: Period | None = None
-
-
-RobotList = Annotated[list[RobotFields], Field(min_length=1)]
-
-
-def _robots_tag(value: object) -> str:
-    return "fewest" if isinstance(value, str) else "list"
-
-
-class StartFields(_Strict):
-    """Where robots start that have no start of their own: in a box, or at points."""
-
-    box: Annotated[list[Point], Field(min_length=2, max_length=2, description="two opposite corners")] | None = None
-    points: Annotated[list[Point], Field(min_length=1)] | None = None
-
-    @model_validator(mode="after")
-    def _one_of_them(self) -> Self:
-        if (self.box is None) == (self.points is None):
-            raise ValueError("exactly one of box and points is needed")
-        return self
-
-
-class FleetFields(MotionFields):
-    """The robots at hand; ``robots`` "fewest" means as few equal ones as possible."""
-
-    # the tag makes errors speak of the one form that was meant
-    robots: Annotated[
-        Annotated[Literal["fewest"], Tag("fewest")] | Annotated[RobotList, Tag("list")], Discriminator(_robots_tag)
-    ]
-    speed_m_s: Positive
-    sensor: SensorFields
-    body_radius_m: Radius
-    turn_rate_rad_s: Positive | None
-    turn_radius_m: Radius = 0.0
-    altitude_m: Length
-    start: StartFields | None = None
-    entrances: Annotated[list[Point], Field(min_length=1)] | None = None
-    rally_points: list[Point] = []
-
-
-class ObstacleFields(_Strict):
-    """A shape that blocks motion, sight, or both."""
-
-    shape: Polygons
-    blocks: Blocks
-    asks: Asks = "all"
-
-
-class ZoneFields(_Strict):
-    """Part of the area with its own period."""
-
-    name: Name
-    period_s: Period | None
-    demand: Demand
-    shape: Polygons
-    importance: Importance | None = None
-
-
-class ImportanceMapFields(_Strict):
-    """What a square metre is worth at the places of a grid, row by row from the south; straight between places."""
-
-    low_m: Annotated[Point, Field(description="x, y of the first place of the first row")]
-    step_m: Annotated[list[Length], Field(min_length=2, max_length=2, description="x, y between places")]
-    values: Annotated[list[Annotated[list[Importance], Field(min_length=1)]], Field(min_length=1)]
-
-
-def _importance_tag(value: object) -> str:
-    return "map" if isinstance(value, dict | ImportanceMapFields) else "number"
-
-
-GroundImportance = Annotated[
-    Annotated[ImportanceMapFields, Tag("map")] | Annotated[Importance, Tag("number")], Discriminator(_importance_tag)
-]
-
-
-class OriginFields(_Strict):
-    """Where the local metres (x east, y north) have their zero, WGS84 degrees."""
-
-    lat: Annotated[float, Field(ge=-90, le=90)]
-    lon: Annotated[float, Field(ge=-180, le=180)]
-
-
-class MovingObstacleFields(_Strict):
-    """A disc that moves along timed points."""
-
-    radius_m: Length
-    times_s: Annotated[list[Annotated[float, Field(ge=-LONGEST_S, le=LONGEST_S)]], Field(min_length=1)]
-    positions_m: Annotated[list[Point], Field(min_length=1)]
-
-
-class MissionFields(_Strict):
-    """The mission, all defaults filled in and all shapes resolved to rings in local metres."""
-
-    name: Name
-    area: Polygons
-    obstacles: list[ObstacleFields]
-    zones: list[ZoneFields]
-    importance: GroundImportance | None = None
-    period_s: Period | None
-    unseeable: Unseeable
-    holds_within_s: Time | None = None
-    origin: OriginFields | None
-    fleet: FleetFields
-    moving_obstacles: list[MovingObstacleFields] = []
-    planner: str
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """The values of the planner's settings."""
-        return getattr(self, self.planner) or {}
-
-    @model_validator(mode="after")
-    def _settings_of_its_planner(self) -> Self:
-        given = [name for name in planner_names() if getattr(self, name, None) is not None]
-        if given != [self.planner]:
-            raise ValueError(f"planner is {self.planner}; its settings and no others are needed")
-        return self
-
-
-class WaypointsFields(_Strict):
-    """What an autopilot that cuts corners by itself is told of a loop, instead of its legs."""
-
-    places_m: Annotated[list[Point], Field(min_length=2, description="the robot begins at the first")]
-    times_s: Annotated[
-        list[Time], Field(min_length=3, description="left at the first, nearest to the others, then to it")
-    ]
-    speed_m_s: Annotated[Positive, Field(description="told for every leg")]
-
-
-class TrajectoryFields(_Strict):
-    """One robot's timed points: straight legs, each at a constant acceleration, repeated from ``loop_start_s`` on."""
-
-    name: Name
-    loop_start_s: Time
-    times_s: Annotated[list[Time], Field(min_length=1)]
-    positions_m: Annotated[list[Position], Field(min_length=1)]
-    headings_rad: list[float] | None
-    waypoints: WaypointsFields | None = None
-    accelerations_m_s2: Annotated[
-        list[float] | None, Field(description="along each leg; absent: all legs are driven at constant speeds")
-    ] = None
-
-
-class RunEndFields(_Strict):
-    """How the run of a swarm ended: at rest, with blocked robots, or cut off by swarm.most_steps or when stopped."""
-
-    at_rest: bool
-    steps: Annotated[int, Field(ge=0)]
-    reason: EndReason
-    blocked: Annotated[list[Name], Field(description="robots that want to move on and cannot")] = []
-
-
-class PlanFields(_Strict):
+@dataclass(frozen=True, kw_only=True)
+class PlanFile:
     """A Rota plan: a mission and one timed trajectory per robot. It stands alone."""
 
-    rota_plan: Literal[1]
-    seed: int
-    mission_sha256: Annotated[
-        str | None,
-        Field(
-            pattern="^[0-9a-f]{64}$",
-            description="of the mission as JSON with sorted keys, no white space, all numbers as floats; absent: open",
+    rota_plan: Literal[1] = field_of()
+    mission_sha256: str | None = field_of(
+        None,
+        "of the mission as JSON with sorted keys, no white space, all numbers as floats; absent: open",
+        newer=True,
+        says={"pattern": "^[0-9a-f]{64}$"},
+    )
+    meets_demand: bool | None = field_of(
+        None, "false: written with --best although the check does not pass; else absent", newer=True
+    )
+    mission_changes: tuple[str, ...] | None = field_of(
+        None,
+        "what has changed in its mission since, as the page told; absent: not told",
+        count=((0, None),),
+        newer=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Forms:
+    """Of what files have in another form than the model."""
+
+    shape: tuple[Rings, ...] = field_of(
+        meaning="polygons: an outer ring, then holes, of [x, y] in metres; the first point is not repeated",
+        count=((1, None), (1, None), (3, None)),
+        **PLACES,
+    )
+
+
+# ---------------------------------------------------------------- what is made of them
+
+
+def _shape(polygons: Iterable[Iterable[Iterable[Place]]]) -> MultiPolygon:
+    """The shape of rings. Raises PlanError where they cross."""
+    # the first point is repeated here and not by shapely, which leaves rings alone that look closed already
+    closed = [[[*ring, ring[0]] for ring in map(list, polygon)] for polygon in polygons]
+    shape = MultiPolygon([Polygon(rings[0], rings[1:]) for rings in closed])
+    if not shape.is_valid:
+        raise PlanError("an invalid shape; rings may not cross themselves or each other")
+    return shape
+
+
+def _start(box: Any = None, points: Any = None) -> StartBox | StartPoints:
+    """Where the fleet begins: in a box, or at points."""
+    return StartPoints(points_m=points) if box is None else StartBox(low_m=box[0], high_m=box[1])
+
+
+def _fleet(robots: Any, **values: Any) -> Fleet:
+    """The fleet; "fewest" is one of none that are named."""
+    return made(Fleet, robots=None if robots == "fewest" else robots, **values)
+
+
+def _mission(planner: str, **values: Any) -> Mission:
+    """The mission with the settings of its planner."""
+    given = {name: values.pop(name, None) for name in planner_names()}
+    if [name for name, settings in given.items() if settings is not None] != [planner]:
+        raise PlanError(f"planner is {planner}; its settings and no others are needed")
+    return Mission(**values, planning=planner_named(planner).settings.written(given[planner] or {}, None))
+
+
+def _trajectory_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Positions of two kinds, and lists that do not go together."""
+    counted = {name: len(data[name]) for name in data if isinstance(data[name], list)}
+    if "times_s" not in counted:
+        return
+    positions = data["positions_m"] if "positions_m" in counted else []
+    if {len(place) for place in positions if isinstance(place, list)} == {2, 3}:
+        yield ("positions_m",), "[x, y] and [x, y, z] mixed; all must have as many numbers"
+    n = counted["times_s"]
+    for name, needed, one in (
+        ("positions_m", n, "time in times_s"),
+        ("headings_rad", n, "time in times_s"),
+        ("accelerations_m_s2", n - 1, "leg"),
+    ):
+        if counted.get(name, needed) != needed:
+            yield (name,), f"{counted[name]} entries; {needed} are needed, one per {one}"
+
+
+def _importance_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Rows of different lengths."""
+    rows = data.get("values")
+    if len({len(row) for row in rows if isinstance(row, list)} if isinstance(rows, list) else ()) > 1:
+        yield ("values",), "rows of different lengths; all must have as many numbers"
+
+
+# ---------------------------------------------------------------- the blocks
+
+
+@cache
+def _known() -> dict[Any, Block | Field]:
+    """The blocks and fields of the model's types."""
+    known: dict[Any, Block | Field] = {
+        MultiPolygon: replace(field_in(fields_of(_Forms)[0], "plan"), reads=_shape),
+        ImportanceMap: block_of(ImportanceMap, "plan", makes=ImportanceMap, rules=_importance_faults),
+        Start: block_of(Start, "plan", makes=_start, rules=start_faults),
+        Trajectory: block_of(
+            Trajectory, "plan", {Waypoints: block_of(Waypoints, "plan", makes=Waypoints)},
+            makes=partial(made, Trajectory), rules=_trajectory_faults,
         ),
-    ] = None
-    lower_bound_robots: Annotated[int, Field(ge=0)] | None
-    lower_bound_reason: Annotated[
-        str | None, Field(min_length=1, description="why no plan has fewer robots; absent: not told")
-    ] = None
-    meets_demand: Annotated[
-        bool | None, Field(description="false: written with --best although the check does not pass; else absent")
-    ] = None
-    mission_changes: Annotated[
-        list[str] | None,
-        Field(description="what has changed in its mission since, as the page told; absent: not told"),
-    ] = None
-    run_end: Annotated[
-        RunEndFields | None, Field(description="of a swarm: whether its robots were at rest; absent: not told")
-    ] = None
-    mission: MissionFields
-    robots: list[TrajectoryFields]
+    }  # fmt: skip
+    for kind, makes in (
+        (GeoPoint, GeoPoint), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle), (Zone, Zone),
+        (Robot, partial(made, Robot)), (Fleet, _fleet),
+    ):  # fmt: skip
+        known[kind] = block_of(kind, "plan", known, makes=makes)
+    return known
 
 
-def plan_fields_type(document: object = None) -> type[PlanFields]:
-    """The model of a plan file, with settings for each planner of this package and for the one that it names.
+def plan_block(document: object = None) -> Block:
+    """The block of a plan file, with settings for each planner of this package and for the one that it names.
 
     document: a file as it was read; None: all planners have theirs.
     """
     named = (inner(document, "mission", "planner"),) if document is not None else loadable_planners()
-    return _plan_fields_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+    return _plan_block(tuple(name for name in planner_names() if name in PLANNERS or name in named))
 
 
 @cache
-def _plan_fields_type(names: tuple[str, ...]) -> type[PlanFields]:
-    blocks = {name: settings_field(planner_named(name).settings, in_mission_file=False) for name in names}
-    fields: dict[str, Any] = {name: (block, None) for name, block in blocks.items()}
-    chosen: Any = Literal[planner_names()]
-    mission = create_model("MissionFields", __base__=MissionFields, planner=(chosen, ...), **fields)
-    return create_model("PlanFields", __base__=PlanFields, mission=(mission, ...))
+def _plan_block(names: tuple[str, ...]) -> Block:
+    """The same, for planners of these names."""
+    fields = [item for item in fields_in(Mission, "plan", _known()) if item.name != "planning"]
+    fields.append(Field(name="planner", kind="option", options=planner_names(), needed=True))
+    fields += [
+        Field(
+            name=name, kind="block", block=block_of(planner_named(name).settings, "plan"), optional=True, default=None
+        )
+        for name in names
+    ]
+    mission = Block(name="mission", meaning="The mission, with all its defaults.", fields=tuple(fields), makes=_mission)
+    own = {item.name: item for item in fields_in(PlanFile, "plan")}
+    plan = fields_in(Plan, "plan", {**_known(), Mission: mission})
+    return replace(block_of(PlanFile, "plan"), fields=(*own.values(), *plan))
 
 
 def plan_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the plan file."""
-    schema = plan_fields_type().model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota plan, version 1"}
+    return file_schema(plan_block(), "Rota plan, version 1")

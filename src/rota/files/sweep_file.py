@@ -4,60 +4,55 @@ from __future__ import annotations
 
 import glob
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
-
-from pydantic import Discriminator, Field, Tag, ValidationError
+from typing import Any, Literal, NamedTuple
 
 from rota.errors import MissionError
+from rota.files.blocks import Block, Fault, block_of, nearest_key, positioned, read_block
+from rota.files.json_schema import file_schema
 from rota.files.local_file import read_text
-from rota.files.schema_block import Block, Duration, Text, Where, nearest_key
-from rota.files.schema_faults import Fault, positioned, schema_faults
+from rota.files.shape_schema import TEXT
 from rota.files.yaml_text import Document, parse_text
+from rota.model.fields import field_of
+from rota.model.limits import DURATION
 from rota.model.planner_registry import planner_names
-from rota.model.refusals import shown
+from rota.model.refusals import Where, shown
 
 MOST_SEEDS = 1_000_000
-Seed = Annotated[int, Field(strict=True, ge=0, le=2**32)]
+SEED: dict[str, Any] = {"least": 0, "most": 2**32}
 
 
-class SeedRange(Block):
+@dataclass(frozen=True, kw_only=True)
+class SeedRange:
     """So many seeds in a row."""
 
-    first: Seed = 0
-    count: Annotated[int, Field(strict=True, ge=1, le=MOST_SEEDS)]
+    first: int = field_of(0, **SEED)
+    count: int = field_of(least=1, most=MOST_SEEDS)
 
 
-def _seeds_kind(value: Any) -> str | None:
-    if isinstance(value, dict | SeedRange):
-        return "<range>"
-    return "<list>" if isinstance(value, list) else None
-
-
-Seeds = Annotated[
-    Annotated[Annotated[list[Seed], Field(min_length=1, max_length=MOST_SEEDS)], Tag("<list>")]
-    | Annotated[SeedRange, Tag("<range>")],
-    Discriminator(
-        _seeds_kind, custom_error_type="wrong_kind", custom_error_message="a list or {first, count} is needed"
-    ),
-]
-
-
-class SweepFile(Block):
+@dataclass(frozen=True, kw_only=True)
+class SweepFile:
     """What a sweep plans: each mission by each planner, effort and choice of settings, with each seed."""
 
-    rota_sweep: Literal[1] = Field(description="version of this format")
-    name: Text
-    missions: list[Text] = Field(min_length=1, description="mission files, or patterns with *, from the sweep's folder")
-    planners: list[Text] | None = Field(None, min_length=1, description="null: as each mission says")
-    efforts: list[Literal["quick", "normal", "high"]] | None = Field(
-        None, min_length=1, description="of planners that have an effort; null: as each mission says"
+    rota_sweep: Literal[1] = field_of(meaning="version of this format")
+    name: str = field_of(count=TEXT)
+    missions: tuple[str, ...] = field_of(
+        meaning="mission files, or patterns with *, from the sweep's folder", count=((1, None), *TEXT)
     )
-    settings: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(
-        default={}, description="values for fields of the missions by their paths, such as fleet.speed_m_s: [1, 2]"
+    planners: tuple[str, ...] | None = field_of(None, "null: as each mission says", count=((1, None), *TEXT))
+    efforts: tuple[Literal["quick", "normal", "high"], ...] | None = field_of(
+        None, "of planners that have an effort; null: as each mission says"
     )
-    seeds: Seeds = Field(default=[0])
-    time_limit_s: Duration | None = Field(None, description="of each cell; then its best plan so far counts")
+    settings: dict[str, Any] = field_of(
+        dict,
+        "values for fields of the missions by their paths, such as fleet.speed_m_s: [1, 2]",
+        says={"type": "object", "additionalProperties": {"type": "array", "minItems": 1}},
+    )
+    seeds: tuple[int, ...] | SeedRange = field_of(
+        (0,), count=((1, MOST_SEEDS),), needs="a list or {first, count} is needed", **SEED
+    )
+    time_limit_s: float | None = field_of(None, "of each cell; then its best plan so far counts", written=DURATION)
 
     @property
     def all_seeds(self) -> list[int]:
@@ -65,25 +60,28 @@ class SweepFile(Block):
         seeds = self.seeds
         return list(range(seeds.first, seeds.first + seeds.count)) if isinstance(seeds, SeedRange) else list(seeds)
 
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Planners that are not known, values given twice, and settings that a key of their own is for."""
-        planners = data.get("planners")
-        for k, name in enumerate(planners if isinstance(planners, list) else []):
-            if isinstance(name, str) and name not in planner_names():
-                yield ("planners", k), f"{shown(name)} is not known; {nearest_key(name, list(planner_names()))}"
-        lists: list[tuple[Where, Any]] = [
-            ((key,), data.get(key)) for key in ("missions", "planners", "efforts", "seeds")
-        ]
-        settings = data.get("settings")
-        for path, values in settings.items() if isinstance(settings, dict) else ():
-            lists.append((("settings", path), values))
-            if path in ("planner", "seed") or path.endswith(".effort"):
-                yield ("settings", path), f"is not allowed here; use {path.rpartition('.')[2]}s"
-            if not all(path.split(".")):
-                yield ("settings", path), "is no path of a field; names with dots between them are needed"
-        for where, values in lists:
-            yield from _repeated(where, values)
+
+def _sweep_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Planners that are not known, values given twice, and settings that a key of their own is for."""
+    planners = data.get("planners")
+    for k, name in enumerate(planners if isinstance(planners, list) else []):
+        if isinstance(name, str) and name not in planner_names():
+            yield ("planners", k), f"{shown(name)} is not known; {nearest_key(name, list(planner_names()))}"
+    lists: list[tuple[Where, Any]] = [((key,), data.get(key)) for key in ("missions", "planners", "efforts", "seeds")]
+    settings = data.get("settings", {})
+    if not isinstance(settings, dict):
+        yield ("settings",), f"{shown(settings)} is not allowed; a mapping of keys to values is needed"
+    for path, values in settings.items() if isinstance(settings, dict) else ():
+        lists.append((("settings", path), values))
+        if not isinstance(values, list) or not values:
+            needed = "it must not be empty" if values == [] else "a list is needed"
+            yield ("settings", path), f"{shown(values)} is not allowed; {needed}"
+        if path in ("planner", "seed") or path.endswith(".effort"):
+            yield ("settings", path), f"is not allowed here; use {path.rpartition('.')[2]}s"
+        if not all(path.split(".")):
+            yield ("settings", path), "is no path of a field; names with dots between them are needed"
+    for where, values in lists:
+        yield from _repeated(where, values)
 
 
 def _repeated(where: Where, values: Any) -> Iterator[tuple[Where, str]]:
@@ -108,14 +106,9 @@ def read_sweep(path: str | Path) -> ReadSweep:
     """
     path = Path(path)
     document = parse_text(read_text(path, "a sweep file"), str(path), "a sweep file")
-    faults: list[Fault] = []
-    file: SweepFile | None = None
-    try:
-        file = SweepFile.model_validate(document.value)
-    except ValidationError as error:
-        faults += schema_faults(document, error)
+    file, faults = read_block(_block(), document.value)
     missions, missing = _mission_files(document, path.parent)
-    if faults or missing or file is None:
+    if faults or missing:
         raise MissionError(*positioned(document, [*faults, *missing]))
     return ReadSweep(file, missions)
 
@@ -136,7 +129,12 @@ def _mission_files(document: Document, folder: Path) -> tuple[dict[str, Path], l
     return files, faults
 
 
+def _block() -> Block:
+    """The block of a sweep file."""
+    ranges = {SeedRange: block_of(SeedRange, "mission", makes=SeedRange)}
+    return block_of(SweepFile, "mission", ranges, makes=SweepFile, rules=_sweep_faults)
+
+
 def sweep_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of a sweep file."""
-    schema = SweepFile.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota sweep"}
+    return file_schema(_block(), "Rota sweep")

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from rota.errors import MissionError
-from rota.model.limits import LARGEST_M, LONGEST_S
+from rota.model.field_values import check_fields
+from rota.model.fields import AS_FLEET, REQUIRED, field_of
+from rota.model.limits import COORDINATE, LARGEST_M, LENGTH, LENGTH_OR_ZERO, LONGEST_S, MOMENT, RATE
 from rota.model.motion_limits import AT_ONCE, MotionLimits, driving_faults
-from rota.model.refusals import require, require_positive, require_text
+from rota.model.refusals import require, require_text
 
 Place = tuple[float, float]
 
 TURNS_ONE_WAY = "must be 0 where turn_rate_rad_s is given: a robot turns on the spot or on arcs"
+ROBOTS_NEEDED = "fewest, a whole number or a list of {name, ...} is needed"
 COORDINATES = f"coordinates must be within {LARGEST_M:g} m of 0"
 
 
@@ -27,14 +33,19 @@ class DiscSensor:
     all within ``radius_m``.
     """
 
-    radius_m: float
-    half_angle_deg: float | None = None
+    tag: ClassVar[tuple[str, str]] = ("shape", "disc")
+    radius_m: float = field_of(meaning="how far it sees", above=0, most=LARGEST_M, written=LENGTH)
+    half_angle_deg: float | None = field_of(
+        None,
+        "of a swarm with altitudes_m: the disc grows with height, height x tan, up to radius_m",
+        above=0,
+        below=90,
+        newer=True,
+        spared=True,
+    )
 
     def __post_init__(self) -> None:
-        require_positive("sensor.radius_m", self.radius_m, LARGEST_M)
-        angle = self.half_angle_deg
-        ok = angle is None or 0 < angle < 90
-        require(ok, "sensor.half_angle_deg", angle, "must be more than 0 and less than 90 degrees")
+        check_fields(self, "sensor.")
 
     def radius_at_m(self, height_m: float) -> float:
         """Radius in metres of the disc on the ground that is in range from a height in metres."""
@@ -59,10 +70,11 @@ class DiscSensor:
 class SquareSensor:
     """Sees a square of ``side_m`` by ``side_m`` round the robot, along the axes of the plane whatever the heading."""
 
-    side_m: float
+    tag: ClassVar[tuple[str, str]] = ("shape", "square")
+    side_m: float = field_of(meaning="from border to border", above=0, most=LARGEST_M, written=LENGTH)
 
     def __post_init__(self) -> None:
-        require_positive("sensor.side_m", self.side_m, LARGEST_M)
+        check_fields(self, "sensor.")
         require(self.side_m / 2 > 0, "sensor.side_m", self.side_m, "half of it must be greater than 0, too")
 
     @property
@@ -80,45 +92,91 @@ def inner_reach_m(sensor: Sensor) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Robot:
-    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
+class Abilities:
+    """What robots can do: declared here for fleets and robots alike.
 
-    ``turn_radius_m``: it turns on arcs of this radius or more, never on the spot; 0: it turns where it stands.
-    ``motion``: how fast it changes its speed and passes corners.
-
-    It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
-    that where it is: it neither moves nor sees, but its body is there.
+    Fleets have these in common. Of a subclass ``as_fleet`` a field that is not given is ``AS_FLEET``.
     """
 
-    name: str
-    speed_m_s: float
-    sensor: Sensor
-    body_radius_m: float = 0.0
-    turn_rate_rad_s: float | None = None
-    turn_radius_m: float = 0.0
-    motion: MotionLimits = AT_ONCE
-    start: Place | None = None
-    joins_s: float = 0.0
-    leaves_s: float | None = None
+    speed_m_s: float = field_of(meaning="required where no vehicle has one", above=0, written=RATE, preset=True)
+    sensor: Sensor = field_of(meaning="what a robot sees round itself")
+    body_radius_m: float = field_of(
+        0.0, "how far robots keep from walls and from each other", least=0, most=LARGEST_M, written=LENGTH_OR_ZERO
+    )
+    turn_rate_rad_s: float | None = field_of(None, "null: turning takes no time", above=0, written=RATE)
+    turn_radius_m: float = field_of(
+        0.0,
+        "robots turn on arcs of this radius or more; 0: on the spot",
+        least=0,
+        most=LARGEST_M,
+        written=LENGTH_OR_ZERO,
+        newer=True,
+        spared=True,
+    )
+    motion: MotionLimits = field_of(AT_ONCE, flat=True)
+
+    def __init_subclass__(cls, *, as_fleet: bool = False) -> None:
+        for item in dataclasses.fields(Abilities) if as_fleet else ():
+            cls.__annotations__[item.name] = item.type
+            usual = REQUIRED if item.default is dataclasses.MISSING else item.default
+            told = {**item.metadata, "as_fleet": True, "default": usual}
+            setattr(cls, item.name, dataclasses.field(default=AS_FLEET, metadata=told))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot(Abilities, as_fleet=True):
+    """One robot. What it can do and is not given it has from its fleet, which fills it in: ``AS_FLEET`` until then.
+
+    A robot without a fleet is one of ``Fleet.equal_robot``.
+
+    It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
+    that where it is: it neither moves nor sees, but its body is there. ``start``: (x, y) in metres, None: anywhere.
+    """
+
+    first: ClassVar[tuple[str, ...]] = ("name",)
+    name: str = field_of(count=((1, None),))
+    start: Place | None = field_of(
+        None, "[x, y]; null: anywhere, or as fleet.start says", least=-LARGEST_M, most=LARGEST_M, written=COORDINATE
+    )
+    joins_s: float = field_of(
+        0.0,
+        "of a swarm: it stands at its start until then, and sees nothing",
+        title="joins at",
+        least=0,
+        most=LONGEST_S,
+        written=MOMENT,
+        newer=True,
+        spared=("joins_s", "leaves_s"),
+    )
+    leaves_s: float | None = field_of(
+        None,
+        "of a swarm: it stays where it is then, and sees nothing more",
+        title="leaves at",
+        above=0,
+        most=LONGEST_S,
+        written=MOMENT,
+        newer=True,
+        spared=("joins_s", "leaves_s"),
+    )
 
     def __post_init__(self) -> None:
+        check_fields(self, f"robot {self.name}: ")
         require_text("robot.name", self.name)
-        require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
-        allowed = f"must be 0 to {LARGEST_M:g}"
-        require(0 <= self.body_radius_m <= LARGEST_M, f"robot {self.name}: body_radius_m", self.body_radius_m, allowed)
-        if self.turn_rate_rad_s is not None:
-            require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
-        require(0 <= self.turn_radius_m <= LARGEST_M, f"robot {self.name}: turn_radius_m", self.turn_radius_m, allowed)
-        ok = self.turn_radius_m == 0 or self.turn_rate_rad_s is None
+        turns: tuple[Any, ...] = (self.turn_radius_m, self.turn_rate_rad_s)
+        ok = AS_FLEET in turns or not all(turns)
         require(ok, f"robot {self.name}: turn_radius_m", self.turn_radius_m, TURNS_ONE_WAY)
-        driven = vars(self.motion) | vars(self)
-        for name, allowed in driving_faults(driven):
-            require(False, f"robot {self.name}: {name}", driven[name], allowed)
-        ok = 0 <= self.joins_s <= LONGEST_S
-        require(ok, f"robot {self.name}: joins_s", self.joins_s, f"must be 0 to {LONGEST_S:g}")
-        ok = self.leaves_s is None or self.joins_s < self.leaves_s <= LONGEST_S
-        allowed = f"must come after joins_s, {self.joins_s:.6g}, and by {LONGEST_S:g}"
+        if AS_FLEET not in vars(self).values():
+            driven = vars(self.motion) | vars(self)
+            for name, allowed in driving_faults(driven):
+                require(False, f"robot {self.name}: {name}", driven[name], allowed)
+        ok = self.leaves_s is None or self.joins_s < self.leaves_s
+        allowed = f"must come after joins_s, {self.joins_s:.6g}"
         require(ok, f"robot {self.name}: leaves_s", self.leaves_s, allowed)
+
+    def of(self, fleet: Abilities) -> Robot:
+        """The robot with its fleet's values for all that it does not say."""
+        said = {name: getattr(fleet, name) for name in ABILITIES if getattr(self, name) is AS_FLEET}
+        return replace(self, **said) if said else self
 
     @property
     def turns_at_once(self) -> bool:
@@ -135,84 +193,123 @@ class Robot:
 class StartBox:
     """Robots start anywhere in the box between two opposite corners, (x, y) in metres; it may have no width."""
 
-    low_m: Place
-    high_m: Place
+    low_m: Place = field_of(least=-LARGEST_M, most=LARGEST_M)
+    high_m: Place = field_of(least=-LARGEST_M, most=LARGEST_M)
 
     def __post_init__(self) -> None:
-        ends = (self.low_m, self.high_m)
-        ok = all(abs(value) <= LARGEST_M for end in ends for value in end)
-        require(ok, "fleet.start.box", ends, COORDINATES)
-        (x0, y0), (x1, y1) = ends
+        check_fields(self, "fleet.start.box.")
+        (x0, y0), (x1, y1) = self.low_m, self.high_m
         object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
         object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
+
+    @property
+    def in_file(self) -> dict[str, Any]:
+        """The box as files have it."""
+        return {"box": [list(self.low_m), list(self.high_m)]}
 
 
 @dataclass(frozen=True, kw_only=True)
 class StartPoints:
     """Robots start at these points, (x, y) in metres, one at each; the planner chooses who starts where."""
 
-    points_m: tuple[Place, ...]
+    points_m: tuple[Place, ...] = field_of(least=-LARGEST_M, most=LARGEST_M, key="points")
 
     def __post_init__(self) -> None:
-        require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
-        for k, point in enumerate(self.points_m):
-            ok = all(abs(value) <= LARGEST_M for value in point)
-            require(ok, f"fleet.start.points[{k}]", point, COORDINATES)
-        object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
+        check_fields(self, "fleet.start.")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fleet:
+class Start:
+    """Where robots start in files: anywhere in a box, or at given points."""
+
+    box: tuple[Place, Place] | None = field_of(
+        None, "two opposite corners", least=-LARGEST_M, most=LARGEST_M, written=COORDINATE, newer=True
+    )
+    points: tuple[Place, ...] | None = field_of(
+        None, "one for each robot", least=-LARGEST_M, most=LARGEST_M, written=COORDINATE, newer=True
+    )
+
+
+ABILITIES = tuple(item.name for item in dataclasses.fields(Abilities))
+
+if TYPE_CHECKING:
+
+    class _Robots:
+        """What ``Fleet`` takes for its robots, and what it then has."""
+
+        def __get__(self, fleet: object, kind: object = None) -> tuple[Robot, ...] | None: ...
+        def __set__(self, fleet: object, robots: int | Literal["fewest"] | Iterable[Robot] | None) -> None: ...
+else:
+    _Robots = tuple[Robot, ...] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fleet(Abilities):
     """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
 
-    The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
+    It may be given as "fewest", as a number of equal robots, called robot-1, robot-2, ..., or as a list of robots,
+    which have from the fleet what they do not say. Names are unique. ``start``: where
     robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
     ``entrances``: places, (x, y) in metres, one at least. Robots can be only where their bodies can be driven to from
     one of these; what nobody sees from there is unseeable. None: robots can be wherever a body fits. ``rally_points``:
     places, (x, y) in metres, at which one that flies may land instead of at home, where it returns by itself.
     """
 
-    speed_m_s: float
-    sensor: Sensor
-    robots: tuple[Robot, ...] | None = None
-    body_radius_m: float = 0.0
-    turn_rate_rad_s: float | None = None
-    turn_radius_m: float = 0.0
-    motion: MotionLimits = AT_ONCE
-    altitude_m: float = 30.0
-    start: StartBox | StartPoints | None = None
-    entrances: tuple[Place, ...] | None = None
-    rally_points: tuple[Place, ...] = ()
+    first: ClassVar[tuple[str, ...]] = ("robots",)
+    robots: _Robots = field_of(
+        None,
+        "fewest, a number of them, or a list with what differs",
+        form=Literal["fewest"] | tuple[Robot, ...],
+        null_word="fewest",
+    )
+    altitude_m: float = field_of(30.0, "for exports", above=0, most=LARGEST_M, written=LENGTH)
+    start: StartBox | StartPoints | None = field_of(
+        None, "a box or points; null: anywhere", form=Start | None, newer=True
+    )
+    entrances: tuple[Place, ...] | None = field_of(
+        None,
+        "robots are only where their bodies can come to from one of these; null: anywhere; absent: anywhere, and on a"
+        " ROS map where they can come to from inside or from their starts",
+        least=-LARGEST_M,
+        most=LARGEST_M,
+        written=COORDINATE,
+        newer=True,
+        spared=True,
+    )
+    rally_points: tuple[Place, ...] = field_of(
+        (),
+        "where robots that fly may land instead of at home, when they return by themselves",
+        count=((0, None),),
+        least=-LARGEST_M,
+        most=LARGEST_M,
+        written=COORDINATE,
+        newer=True,
+        spared=True,
+    )
 
     def __post_init__(self) -> None:
-        self.equal_robot("robot-1")  # checks the common values
+        given: Any = self.robots
+        if isinstance(given, int) and not isinstance(given, bool):
+            require(given >= 1, "fleet.robots", given, "must be at least 1")
+            given = [self.equal_robot(f"robot-{k + 1}") for k in range(given)]
+        ok = given is None or given == "fewest" or not isinstance(given, str | bool | float)
+        require(ok, "fleet.robots", given, ROBOTS_NEEDED)
+        object.__setattr__(self, "robots", None if isinstance(given, str) else given)
+        check_fields(self, "fleet.")
+        self.equal_robot("robot-1")
         ok = self.robots is None or not isinstance(self.start, StartPoints)
         require(
             ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
         )
-        require_positive("fleet.altitude_m", self.altitude_m, LARGEST_M)
-        if self.entrances is not None:
-            require(len(self.entrances) > 0, "fleet.entrances", self.entrances, "must be at least one place")
-            object.__setattr__(self, "entrances", tuple((float(x), float(y)) for x, y in self.entrances))
-        object.__setattr__(self, "rally_points", tuple((float(x), float(y)) for x, y in self.rally_points))
         if self.robots is not None:
-            object.__setattr__(self, "robots", tuple(self.robots))  # fleets are hashed, and lists are not
-            require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
+            object.__setattr__(self, "robots", tuple(robot.of(self) for robot in self.robots))
             counted = Counter(robot.name for robot in self.robots)
             for name, count in counted.items():
                 require(count == 1, "fleet.robots", name, "names must be unique")
 
     def equal_robot(self, name: str) -> Robot:
         """A robot of this name with the fleet's common values."""
-        return Robot(
-            name=name,
-            speed_m_s=self.speed_m_s,
-            sensor=self.sensor,
-            body_radius_m=self.body_radius_m,
-            turn_rate_rad_s=self.turn_rate_rad_s,
-            turn_radius_m=self.turn_radius_m,
-            motion=self.motion,
-        )
+        return Robot(name=name, **{ability: getattr(self, ability) for ability in ABILITIES})
 
     def changing_speed_at_once(self) -> Fleet:
         """The same fleet without limits of motion."""

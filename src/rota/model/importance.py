@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.model.field_values import check_fields
+from rota.model.fields import field_of
+from rota.model.limits import LARGEST_M
 from rota.model.refusals import Where, inner, require
 
 Floats = NDArray[np.float64]
 
 MOST_IMPORTANCE = 1e6
+IMPORTANCE: dict[str, Any] = {"least": 0, "most": MOST_IMPORTANCE}
 ALLOWED = f"a number from 0 to {MOST_IMPORTANCE:g} is needed"
 
 
@@ -25,9 +29,11 @@ class ImportanceMap:
     MissionError for values that are negative, not finite or above ``MOST_IMPORTANCE``, and where all are 0.
     """
 
-    values: Floats
-    low_m: tuple[float, float]
-    step_m: tuple[float, float]
+    low_m: tuple[float, float] = field_of(
+        meaning="x, y of the first place of the first row", least=-LARGEST_M, most=LARGEST_M
+    )
+    step_m: tuple[float, float] = field_of(meaning="x, y between places", above=0, most=LARGEST_M)
+    values: Floats = field_of(form=tuple[tuple[float, ...], ...], **IMPORTANCE)
 
     def __post_init__(self) -> None:
         values = np.array(self.values, np.float64)
@@ -35,12 +41,9 @@ class ImportanceMap:
         wrong = values[~((values >= 0) & (values <= MOST_IMPORTANCE))]
         require(not len(wrong), "importance", float(wrong[0]) if len(wrong) else 0.0, ALLOWED)
         require(bool(values.max() > 0), "importance", 0.0, "some ground must be worth more than 0")
-        require(min(self.step_m) > 0, "importance", self.step_m, "steps must be greater than 0")
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
-        for name in ("low_m", "step_m"):
-            x, y = getattr(self, name)
-            object.__setattr__(self, name, (float(x), float(y)))
+        check_fields(self, "importance.")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ImportanceMap):

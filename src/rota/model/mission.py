@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,8 +14,11 @@ from shapely import MultiPolygon, Polygon
 
 from rota.errors import MissionError
 from rota.model.corner_faults import corner_faults as corner_faults
+from rota.model.field_values import as_written, check_fields
+from rota.model.fields import field_of, fields_of, flat_fields_of
 from rota.model.fleet import (
     COORDINATES,
+    Abilities,
     DiscSensor as DiscSensor,
     Fleet as Fleet,
     Place as Place,
@@ -26,8 +29,8 @@ from rota.model.fleet import (
     StartPoints as StartPoints,
     inner_reach_m as inner_reach_m,
 )
-from rota.model.importance import ALLOWED, MOST_IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
-from rota.model.limits import LARGEST_M, LONGEST_S
+from rota.model.importance import IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
+from rota.model.limits import COORDINATE, DURATION, LARGEST_M, LENGTH, LONGEST_S, MOMENT
 from rota.model.motion_limits import MOTION_FIELDS
 from rota.model.planner_registry import DEFAULT, door_of
 from rota.model.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
@@ -39,7 +42,6 @@ from rota.model.refusals import (
     inner,
     path_of,
     require,
-    require_positive,
     require_text,
 )
 from rota.model.start_faults import TOUCH_M as TOUCH_M, start_faults as start_faults
@@ -72,12 +74,11 @@ def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
 class GeoPoint:
     """A place on the globe, WGS84 degrees; the origin of a mission's local metres (x east, y north)."""
 
-    lat: float
-    lon: float
+    lat: float = field_of(meaning="degrees north", least=-90, most=90)
+    lon: float = field_of(meaning="degrees east", least=-180, most=180)
 
     def __post_init__(self) -> None:
-        require(-90 <= self.lat <= 90, "lat", self.lat, "must lie in -90..90 degrees")
-        require(-180 <= self.lon <= 180, "lon", self.lon, "must lie in -180..180 degrees")
+        check_fields(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,13 +89,17 @@ class Obstacle:
     zones ask. Under what blocks sight nothing is asked for in any case.
     """
 
-    shape: MultiPolygon
-    blocks: Blocks = "both"
-    asks: Asks = "all"
+    shape: MultiPolygon = field_of()
+    blocks: Blocks = field_of("both", "motion (a no-fly zone, which one can look into), sight (a hedge) or both")
+    asks: Asks = field_of(
+        "all",
+        "all: the ground under blocks: motion is asked for as anywhere else; nothing: it is not",
+        newer=True,
+        spared=True,
+    )
 
     def __post_init__(self) -> None:
-        require(self.blocks in ("both", "motion", "sight"), "blocks", self.blocks, "both, motion or sight")
-        require(self.asks in ("all", "nothing"), "asks", self.asks, "all or nothing")
+        check_fields(self)
         object.__setattr__(self, "shape", _as_multipolygon("obstacle", self.shape))
 
     @property
@@ -121,45 +126,40 @@ class Zone:
     ``importance``: what a square metre of it is worth to a swarm, in place of ``Mission.importance``; None: as there.
     """
 
-    name: str
-    shape: MultiPolygon
-    period_s: float | None
-    demand: Demand = "every_point"
-    importance: float | None = None
+    name: str = field_of(count=((1, None),))
+    period_s: float | None = field_of(
+        meaning="seconds; null: nothing is asked there", above=0, most=LONGEST_S, written=DURATION
+    )
+    demand: Demand = field_of("every_point", "visit: a robot in it is enough")
+    shape: MultiPolygon = field_of()
+    importance: float | None = field_of(
+        None,
+        "of a swarm's ground: what a square metre is worth there; null: as outside zones",
+        **IMPORTANCE,
+        newer=True,
+        spared=True,
+    )
 
     def __post_init__(self) -> None:
+        check_fields(self, f"zone {self.name}: ")
         require_text("zone.name", self.name)
-        ok = self.demand in ("every_point", "visit")
-        require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
-        if self.period_s is not None:
-            require_positive(f"zone {self.name}: period_s", self.period_s, LONGEST_S)
-        if self.importance is not None:
-            _require_importance(f"zone {self.name}: importance", self.importance)
         object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
-
-
-def _require_importance(where: str, value: float) -> None:
-    require(0 <= value <= MOST_IMPORTANCE, where, value, ALLOWED)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MovingObstacle:
     """A disc that moves along timed points, straight between them; before the first and after the last it stands."""
 
-    radius_m: float
-    times_s: tuple[float, ...]
-    positions_m: tuple[Place, ...]
+    radius_m: float = field_of(above=0, most=LARGEST_M, written=LENGTH)
+    times_s: tuple[float, ...] = field_of(least=-LONGEST_S, most=LONGEST_S, written=MOMENT)
+    positions_m: tuple[Place, ...] = field_of(least=-LARGEST_M, most=LARGEST_M, written=COORDINATE)
 
     def __post_init__(self) -> None:
-        require_positive("moving obstacle: radius_m", self.radius_m, LARGEST_M)
-        object.__setattr__(self, "times_s", tuple(float(time) for time in self.times_s))
-        object.__setattr__(self, "positions_m", tuple((float(x), float(y)) for x, y in self.positions_m))
-        count = len(self.times_s)
-        ok = count > 0 and all(a < b for a, b in itertools.pairwise(self.times_s))
-        ok = ok and all(abs(time) <= LONGEST_S for time in self.times_s)
-        require(ok, "moving obstacle: times_s", self.times_s, f"must rise, at most to {LONGEST_S:g}")
-        ok = len(self.positions_m) == count and all(abs(value) <= LARGEST_M for at in self.positions_m for value in at)
-        require(ok, "moving obstacle: positions_m", self.positions_m, f"one for each time; {COORDINATES}")
+        check_fields(self, "moving obstacle: ")
+        ok = all(a < b for a, b in itertools.pairwise(self.times_s))
+        require(ok, "moving obstacle: times_s", self.times_s, "must rise")
+        ok = len(self.positions_m) == len(self.times_s)
+        require(ok, "moving obstacle: positions_m", self.positions_m, "one for each time")
 
     def at(self, time_s: float) -> Place:
         """Where its centre is."""
@@ -184,32 +184,50 @@ class Mission:
     a swarm outside zones with an importance of their own, a number or a map; None: 1.
     """
 
-    name: str
-    area: MultiPolygon
-    fleet: Fleet
-    obstacles: tuple[Obstacle, ...] = ()
-    zones: tuple[Zone, ...] = ()
-    period_s: float | None = None
-    origin: GeoPoint | None = None
-    unseeable: Unseeable = "exclude"
-    holds_within_s: float | None = None
-    planning: PlannerSettings = field(default_factory=_default_settings)
-    moving_obstacles: tuple[MovingObstacle, ...] = ()
-    importance: float | ImportanceMap | None = None
+    name: str = field_of(count=((1, None),))
+    area: MultiPolygon = field_of(meaning="where robots may be and must look")
+    obstacles: tuple[Obstacle, ...] = field_of((), "neither entered nor seen through", count=((0, None),))
+    zones: tuple[Zone, ...] = field_of(
+        (), "parts with a period of their own; where zones overlap the smallest period rules", count=((0, None),)
+    )
+    importance: float | ImportanceMap | None = field_of(
+        None,
+        "of a swarm: what a square metre outside zones with an importance is worth, or a map; null: 1",
+        **IMPORTANCE,
+        needs="a number from 0 on or {map: FILE, black: ..., white: ...} is needed",
+        newer=True,
+        spared=True,
+    )
+    period_s: float | None = field_of(
+        None,
+        "for the area outside zones; null: nothing is asked there",
+        above=0,
+        most=LONGEST_S,
+        written=DURATION,
+    )
+    unseeable: Unseeable = field_of(
+        "exclude", "what nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission"
+    )
+    holds_within_s: float | None = field_of(
+        None,
+        "robots are in their loops, from when on periods hold, within so many seconds; null: any time",
+        least=0,
+        most=LONGEST_S,
+        written=MOMENT,
+        newer=True,
+        spared=True,
+    )
+    origin: GeoPoint | None = field_of(None, "where on the globe the local (0, 0) lies, for exports")
+    fleet: Fleet = field_of()
+    moving_obstacles: tuple[MovingObstacle, ...] = field_of(
+        (), "of a swarm: discs that move along timed points", count=((0, None),), newer=True
+    )
+    planning: PlannerSettings = field_of(_default_settings)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         require_text("name", self.name)
-        for name in ("obstacles", "zones", "moving_obstacles"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))  # missions are hashed, and lists are not
         object.__setattr__(self, "area", _as_multipolygon("area", self.area))
-        if self.period_s is not None:
-            require_positive("period_s", self.period_s, LONGEST_S)
-        if self.holds_within_s is not None:
-            ok = 0 <= self.holds_within_s <= LONGEST_S
-            require(ok, "holds_within_s", self.holds_within_s, f"must be 0 to {LONGEST_S:g}, or None")
-        require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
-        if self.importance is not None and not isinstance(self.importance, ImportanceMap):
-            _require_importance("importance", self.importance)
         if self.importance == 0 and not any(zone.importance for zone in self.zones):
             raise MissionError(f"importance: {NOTHING_MATTERS}")
         counted = Counter(zone.name for zone in self.zones)
@@ -222,7 +240,7 @@ class Mission:
         faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
-        data = _as_written(self)
+        data = _as_asked(self)
         refused = list(all_refused(type(self.planning), data))
         if self.planning.asks_periods and not (self.period_s or any(zone.period_s for zone in self.zones)):
             refused.append((("period_s",), NO_PERIOD))
@@ -296,45 +314,17 @@ def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> 
                 yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
 
 
-def _as_written(mission: Mission) -> dict[str, Any]:
+def _as_asked(mission: Mission) -> dict[str, Any]:
     """The mission as a file would have it, without shapes: what planners look at to refuse it."""
-    fleet, start = mission.fleet, mission.fleet.start
+    fleet = as_written(mission.fleet)
+    like = {name: fleet.get(name) for name in (item.name for item in flat_fields_of(Abilities))}
+    robots = [
+        {name: value for name, value in as_written(robot).items() if name not in like or value != like[name]}
+        for robot in mission.fleet.robots or ()
+    ]
     return {
-        "period_s": mission.period_s,
-        "importance": mission.importance,
-        "zones": [
-            {"name": zone.name, "period_s": zone.period_s, "demand": zone.demand, "importance": zone.importance}
-            for zone in mission.zones
-        ],
-        "moving_obstacles": list(mission.moving_obstacles),
-        "fleet": {
-            "robots": "fewest" if fleet.robots is None else [_robot_as_written(robot, fleet) for robot in fleet.robots],
-            "sensor": _sensor_as_written(fleet.sensor),
-            "turn_rate_rad_s": fleet.turn_rate_rad_s,
-            "turn_radius_m": fleet.turn_radius_m,
-            **fleet.motion.told,
-            "start": {"box": start.low_m} if isinstance(start, StartBox) else start and {"points": start.points_m},
-            "entrances": fleet.entrances,
-        },
+        **{item.name: getattr(mission, item.name) for item in fields_of(Mission)},
+        "zones": [as_written(zone) for zone in mission.zones],
+        "fleet": {**fleet, "robots": robots or "fewest"},
         mission.planning.planner: vars(mission.planning),
     }
-
-
-def _robot_as_written(robot: Robot, fleet: Fleet) -> dict[str, Any]:
-    """One robot, with what differs from the fleet."""
-    told: dict[str, Any] = {"start": robot.start, "joins_s": robot.joins_s, "leaves_s": robot.leaves_s}
-    if robot.sensor != fleet.sensor:
-        told["sensor"] = _sensor_as_written(robot.sensor)
-    if robot.turn_rate_rad_s != fleet.turn_rate_rad_s:
-        told["turn_rate_rad_s"] = robot.turn_rate_rad_s
-    if robot.turn_radius_m != fleet.turn_radius_m:
-        told["turn_radius_m"] = robot.turn_radius_m
-    if robot.motion != fleet.motion:
-        told |= robot.motion.told
-    return told
-
-
-def _sensor_as_written(sensor: Sensor) -> dict[str, Any]:
-    if isinstance(sensor, DiscSensor):
-        return {"shape": "disc", "radius_m": sensor.radius_m, "half_angle_deg": sensor.half_angle_deg}
-    return {"shape": "square", "side_m": sensor.side_m}

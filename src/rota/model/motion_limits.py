@@ -2,47 +2,61 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rota.model.limits import LARGEST_M
-from rota.model.refusals import require, require_positive, require_text
+from rota.model.field_values import check_fields
+from rota.model.fields import field_of, fields_of
+from rota.model.limits import LARGEST_M, LENGTH_OR_ZERO, RATE
+from rota.model.refusals import require, require_text
+
+
+def _limit(meaning: str = "", **takes: Any) -> Any:
+    """A limit that a robot need not have; a file that has none says nothing of it."""
+    return field_of(None, meaning, above=0, written=RATE, newer=True, spared=True, **takes)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionLimits:
-    """What a robot's mass and motors allow; None: no limit is known, so that it changes speed at once.
+    """What a robot's mass and motors allow; None: no limit is known, so that it changes speed at once."""
 
-    vehicle: the name of the vehicle whose presets these are; None: of no vehicle. acceleration_m_s2: the greatest along
-    its way. corner_acceleration_m_s2: the greatest on the curve round a corner; None: as along the way. jerk_m_s3: how
-    fast the acceleration may change. corner_m: how far from a corner the robot may pass it; 0: it stops there.
-    climb_m_s, descend_m_s: its vertical speeds. top_airspeed_m_s: its speed through the air, which wind_m_s, from
-    wherever it may blow, takes from its speed over the ground.
-    """
-
-    vehicle: str | None = None
-    acceleration_m_s2: float | None = None
-    corner_acceleration_m_s2: float | None = None
-    jerk_m_s3: float | None = None
-    corner_m: float = 0.0
-    climb_m_s: float | None = None
-    descend_m_s: float | None = None
-    top_airspeed_m_s: float | None = None
-    wind_m_s: float = 0.0
+    vehicle: str | None = field_of(
+        None,
+        "presets speeds, turns and motion that are not given; none: changes speed at once",
+        count=((1, None),),
+        newer=True,
+        spared=True,
+    )
+    acceleration_m_s2: float | None = _limit("along the way; null: speeds change at once")
+    corner_acceleration_m_s2: float | None = _limit(
+        "round a corner; null: as along the way", title="acceleration round corners"
+    )
+    jerk_m_s3: float | None = _limit("how fast the acceleration changes; null: at once")
+    corner_m: float = field_of(
+        0.0,
+        "how far corners may be cut; 0 or null: robots stop there",
+        title="corners cut by",
+        least=0,
+        most=LARGEST_M,
+        written=LENGTH_OR_ZERO,
+        empty=True,
+        newer=True,
+        spared=True,
+    )
+    climb_m_s: float | None = _limit("upwards", title="climbs at")
+    descend_m_s: float | None = _limit("downwards", title="descends at")
+    top_airspeed_m_s: float | None = _limit(
+        "through the air, whatever the wind; null: no such limit", title="fastest through the air"
+    )
+    wind_m_s: float = field_of(
+        0.0, "from wherever it blows; it takes from top_airspeed_m_s", least=0, empty=True, newer=True, spared=True
+    )
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.vehicle is not None:
             require_text("vehicle", self.vehicle)
-        for name in POSITIVE_OR_NONE:
-            value = getattr(self, name)
-            if value is not None:
-                require_positive(name, value)
-        require(0 <= self.corner_m <= LARGEST_M, "corner_m", self.corner_m, f"must be 0 to {LARGEST_M:g}")
-        ok = 0 <= self.wind_m_s < math.inf
-        require(ok, "wind_m_s", self.wind_m_s, "must be 0 or more")
         for name, allowed in motion_faults(vars(self)):
             require(False, name, getattr(self, name), allowed)
 
@@ -57,22 +71,10 @@ class MotionLimits:
             return speed_m_s
         return min(speed_m_s, self.top_airspeed_m_s - self.wind_m_s)
 
-    @property
-    def told(self) -> dict[str, Any]:
-        """Its fields and their values, without those that are at their defaults."""
-        return {name: value for name, value in vars(self).items() if value != getattr(AT_ONCE, name)}
 
-
-POSITIVE_OR_NONE = (
-    "acceleration_m_s2",
-    "corner_acceleration_m_s2",
-    "jerk_m_s3",
-    "climb_m_s",
-    "descend_m_s",
-    "top_airspeed_m_s",
-)
 NEED_MASS = ("jerk_m_s3", "corner_acceleration_m_s2", "corner_m")  # and without acceleration_m_s2 say nothing
-MOTION_FIELDS = tuple(field.name for field in dataclasses.fields(MotionLimits))
+MOTION_FIELDS = tuple(item.name for item in fields_of(MotionLimits))
+_LIMITS = tuple(item.name for item in fields_of(MotionLimits) if item.kind == "number" and item.optional)
 
 
 def motion_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -115,7 +117,7 @@ def weakest(limits: Iterable[MotionLimits]) -> MotionLimits:
         return every[0]
     least = {
         name: min((value for one in every if (value := getattr(one, name)) is not None), default=None)
-        for name in POSITIVE_OR_NONE
+        for name in _LIMITS
     }
     corner_m = min(one.corner_m for one in every)
     return MotionLimits(corner_m=corner_m, wind_m_s=max(one.wind_m_s for one in every), **least)

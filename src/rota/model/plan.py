@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from rota.errors import PlanError
+from rota.model.fields import field_of
 from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
 from rota.model.trajectory import Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
@@ -51,10 +52,12 @@ class RunEnd:
     time limit. Raises PlanError for steps below 0 and a reason that says something else of rest or of who is blocked.
     """
 
-    at_rest: bool
-    steps: int
-    reason: EndReason
-    blocked: tuple[str, ...] = ()
+    at_rest: bool = field_of()
+    steps: int = field_of(least=0)
+    reason: EndReason = field_of()
+    blocked: tuple[str, ...] = field_of(
+        (), "robots that want to move on and cannot", count=((0, None), (1, None)), newer=True, spared=True
+    )
 
     def __post_init__(self) -> None:
         if self.reason not in get_args(EndReason) or self.at_rest != (self.reason == "rest"):
@@ -98,12 +101,16 @@ class Plan:
     for heights of robots that are no swarm's: swarms with ``altitudes_m`` have them, and records of flights over hills.
     """
 
-    mission: Mission
-    trajectories: tuple[Trajectory, ...]
-    seed: int = 0
-    lower_bound_robots: int | None = None
-    lower_bound_reason: str | None = None
-    run_end: RunEnd | None = None
+    seed: int = field_of(0)
+    lower_bound_robots: int | None = field_of(None, least=0)
+    lower_bound_reason: str | None = field_of(
+        None, "why no plan has fewer robots; absent: not told", count=((1, None),), newer=True, spared=True
+    )
+    run_end: RunEnd | None = field_of(
+        None, "of a swarm: whether its robots were at rest; absent: not told", newer=True, spared=True
+    )
+    mission: Mission = field_of()
+    trajectories: tuple[Trajectory, ...] = field_of(key="robots", count=((0, None),))
 
     def __post_init__(self) -> None:
         counted = Counter(trajectory.robot for trajectory in self.trajectories)

@@ -1,139 +1,27 @@
-"""Settings of planners: each declared once, as a field that says what it means, its default and what it takes.
+"""Settings of planners: blocks of fields, each declared once; and what every planner's settings tell of its missions.
 
 Files, their JSON Schemas and the dataclass itself refuse by these declarations.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
-import types
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from numbers import Integral, Real
-from typing import Any, ClassVar, Literal, NamedTuple, Protocol, Self, Union, get_args, get_origin, get_type_hints
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal, Protocol, Self
 
 from rota.errors import MissionError
-from rota.model.refusals import Where, path_of, refusal
+from rota.model.field_values import check_fields
+from rota.model.fields import Field as Setting, field_of as setting, fields_of as settings_of
+from rota.model.limits import DURATION, LENGTH, LENGTH_OR_ZERO
+from rota.model.refusals import Where, path_of
+
+__all__ = ["DURATION", "LENGTH", "LENGTH_OR_ZERO", "Bouncing", "PlannerSettings", "Setting", "Settings", "setting"]
+__all__ += ["settings_of"]
 
 Corners = Literal["blocked", "pass"]
 Contact = Literal["swept", "grid"]
 ContactFree = Literal["cycle", "trajectory"]
-Bounds = tuple[float | None, float | None]
-
-# what a mission file may say: generous for anything that moves on this planet, and no square, sum or quotient of it
-# overflows or is lost
-LENGTH, LENGTH_OR_ZERO, DURATION = (1e-3, 1e7), (0.0, 1e7), (1e-3, 1e9)
-
-
-class Fault(NamedTuple):
-    """What is wrong with a value, as pydantic names it: its kind, and the numbers that the kind speaks of."""
-
-    kind: str
-    given: dict[str, Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Setting:
-    """One setting: its type, default and meaning, and what it takes.
-
-    options: of text. least, above, most, below: bounds that always hold, with or without the bound itself. written:
-    the least and the most that a mission file may say, None: no other than these. optional: null is a value. empty: a
-    mission file may say null for the default. newer: plan files of older versions lack it. spared: plan files lack it
-    while it is at its default. word: of a list, a text that may stand in its place; in Python that is the empty tuple.
-    whole: of a list, whether its numbers are whole.
-    """
-
-    name: str
-    kind: Literal["number", "whole", "truth", "text", "option", "pair", "list", "block"]
-    default: Any
-    meaning: str
-    optional: bool
-    options: tuple[str, ...] = ()
-    block: type[Settings] | None = None
-    least: float | None = None
-    above: float | None = None
-    most: float | None = None
-    below: float | None = None
-    written: Bounds | None = None
-    empty: bool = False
-    newer: bool = False
-    spared: bool = False
-    word: str | None = None
-    whole: bool = False
-
-    def bounds(self, in_mission_file: bool) -> dict[str, float]:
-        """What numbers must keep to, by pydantic's names: ge, gt, le, lt."""
-        least, above, most, below = self.least, self.above, self.most, self.below
-        if in_mission_file and self.written is not None:
-            low, high = self.written
-            least, most = low if low is not None else least, high if high is not None else most
-            above = None if low else above
-        if least is not None and least == above:
-            least = None
-        named = {"ge": least, "gt": above, "le": most, "lt": below}
-        return {name: bound for name, bound in named.items() if bound is not None}
-
-    def faults(self, value: Any, in_mission_file: bool = False) -> Iterator[tuple[Where, Any, Fault]]:
-        """What is wrong with a value, its part at fault and where in it that is; nothing if all is well."""
-        if value is None and (self.optional or (self.empty and in_mission_file)):
-            return
-        if self.kind == "option":
-            if not isinstance(value, str) or value not in self.options:
-                yield (), value, Fault("literal_error", {"expected": _any_of(self.options)})
-        elif self.kind == "truth":
-            if not isinstance(value, bool):
-                yield (), value, Fault("bool_type", {})
-        elif self.kind == "text":
-            if not isinstance(value, str):
-                yield (), value, Fault("string_type", {})
-        elif self.kind in ("pair", "list"):
-            yield from self._list_faults(value, in_mission_file)
-        elif self.kind != "block" and (fault := self._number_fault(value, in_mission_file)):
-            yield (), value, fault
-
-    def _list_faults(self, value: Any, in_mission_file: bool) -> Iterator[tuple[Where, Any, Fault]]:
-        if self.word is not None and (value == self.word or value == ()):
-            return
-        if not isinstance(value, list | tuple):
-            yield (), value, Fault("tuple_type" if self.kind == "pair" else "list_type", {})
-        elif self.kind == "pair" and len(value) > 2:
-            yield (), list(value), Fault("too_long", {"field_type": "Tuple", "max_length": 2})
-        elif self.kind == "pair" and len(value) < 2:
-            message = f"{list(value)} is too short; 2 numbers are needed"
-            yield (), list(value), Fault("fault", {"message": message})
-        elif not value:
-            yield (), [], Fault("too_short", {})
-        else:
-            for k, number in enumerate(value):
-                if fault := self._number_fault(number, in_mission_file):
-                    yield (k,), number, fault
-
-    def _number_fault(self, value: Any, in_mission_file: bool) -> Fault | None:
-        whole = self.kind == "whole" or self.whole
-        is_number: bool = isinstance(value, Integral if whole else Real) and not isinstance(value, bool)
-        if not is_number:
-            return Fault("int_type" if whole else "float_type", {})
-        if not -math.inf < value < math.inf:
-            return Fault("finite_number", {})
-        for name, bound in self.bounds(in_mission_file).items():
-            ok = {"ge": value >= bound, "gt": value > bound, "le": value <= bound, "lt": value < bound}[name]
-            if not ok:
-                kind = {"ge": "greater_than_equal", "gt": "greater_than", "le": "less_than_equal", "lt": "less_than"}
-                return Fault(kind[name], {name: bound})
-        return None
-
-
-def _any_of(options: tuple[str, ...]) -> str:
-    return ", ".join(options[:-1]) + f" or {options[-1]}" if len(options) > 1 else options[0]
-
-
-def setting(default: Any, meaning: str = "", **takes: Any) -> Any:
-    """A field of a settings dataclass: its default, what it means, and what it takes, as ``Setting`` has it."""
-    metadata = {"meaning": meaning, **takes}
-    if isinstance(default, type):
-        return field(default_factory=default, metadata=metadata)
-    return field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,17 +35,8 @@ class Settings:
     place: ClassVar[str]
 
     def __post_init__(self) -> None:
-        values: dict[str, Any] = {}
-        for item in settings_of(type(self)):
-            value = self.value_of(item.name)
-            for where, part, fault in item.faults(value):
-                message = refusal(fault.kind, part, fault.given, fault.given.get("message", ""))
-                raise MissionError(f"{self.place}.{path_of((item.name, *where))}: {message}")
-            if item.kind in ("pair", "list") and value is not None:
-                value = () if item.word is not None and value == item.word else value
-                value = tuple(int(number) if item.whole else float(number) for number in value)
-                object.__setattr__(self, item.name, value)
-            values[item.name] = value
+        check_fields(self, f"{self.place}.")
+        values = {item.name: self.value_of(item.name) for item in settings_of(type(self))}
         for where, message in self.contradictions(values):
             raise MissionError(f"{self.place}.{path_of(where)}: {message}")
 
@@ -187,48 +66,6 @@ class Settings:
     def value_of(self, name: str) -> Any:
         """A value by its name in files."""
         return getattr(self, name)
-
-
-_DECLARED: dict[type[Settings], tuple[Setting, ...]] = {}  # types of dataclasses are no keys of a cache to mypy
-
-
-def settings_of(block: type[Settings]) -> tuple[Setting, ...]:
-    """The settings of a block, in their order."""
-    if block not in _DECLARED:
-        _DECLARED[block] = _settings_of(block)
-    return _DECLARED[block]
-
-
-def _settings_of(block: type[Settings]) -> tuple[Setting, ...]:
-    """The fields that are declared by ``setting``, then the blocks of methods."""
-    hints = get_type_hints(block)
-    blocks = [
-        Setting(name=name, kind="block", block=of_method, default=None, meaning="", optional=False, newer=True)
-        for name, of_method in block.method_blocks().items()
-    ]
-    own = (_declared(each, hints[each.name]) for each in dataclasses.fields(block) if each.metadata)
-    return *own, *blocks
-
-
-def _declared(declared: dataclasses.Field[Any], hint: Any) -> Setting:
-    optional = get_origin(hint) in (Union, types.UnionType) and type(None) in get_args(hint)
-    if optional:
-        (hint,) = (part for part in get_args(hint) if part is not type(None))
-    described: dict[str, Any] = {"name": declared.name, "optional": optional, **declared.metadata}
-    described["default"] = declared.default
-    if isinstance(hint, type) and issubclass(hint, Settings):
-        return Setting(kind="block", block=hint, **{**described, "default": None})
-    if get_origin(hint) is Literal:
-        return Setting(kind="option", options=get_args(hint), **described)
-    if get_origin(hint) is tuple:
-        return Setting(kind="list" if Ellipsis in get_args(hint) else "pair", whole=int in get_args(hint), **described)
-    kinds: dict[Any, Literal["truth", "whole", "number", "text"]] = {
-        bool: "truth",
-        int: "whole",
-        float: "number",
-        str: "text",
-    }
-    return Setting(kind=kinds[hint], **described)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,7 +154,7 @@ class PlannerSettings(Settings):
 
     def with_method(self, method: str) -> Self:
         """The same settings for another method of a planner that has several."""
-        return dataclasses.replace(self, **{"method": method})
+        return replace(self, **{"method": method})
 
     @property
     def asks_periods(self) -> bool:

@@ -22,8 +22,8 @@ _NEEDED = {
     "string_type": "text",
     "tuple_type": "a list of numbers",
     "list_type": "a list",
-    "model_type": "a mapping of keys to values",
     "model_attributes_type": "a mapping of keys to values",
+    "model_type": "a mapping of keys to values",
 }
 _COMPARED = {
     "greater_than": ("gt", "must be greater than {}"),
@@ -34,7 +34,7 @@ _COMPARED = {
 
 
 def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = "") -> str:
-    """What is said of a value. kind, given: the kind of fault and its numbers, by the names that pydantic has for them.
+    """What is said of a value. kind, given: the kind of fault and the numbers that it speaks of.
 
     ``otherwise`` is said of kinds that have no words here.
     """
@@ -51,8 +51,11 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
         return f"{shown(value)} is not allowed; it {allowed.format(f'{given[key]:.9g}')}"
     if kind == "literal_error":
         return f"{shown(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed"
-    if kind == "too_long" and given.get("field_type") == "Tuple":
+    if kind == "too_long" and (given.get("exact") or given.get("field_type") == "Tuple"):
         return f"{shown(value)} is too long; {given['max_length']} numbers are needed"
+    if kind == "too_short" and "exact" in given:
+        needed = f"{given['min_length']} numbers" if given["exact"] else f"at least {given['min_length']} entries"
+        return f"{shown(value)} is too short; {needed} are needed"
     if kind in ("too_short", "string_too_short"):
         return f"{shown(value)} is not allowed; it must not be empty"
     if kind == "too_long":

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import PlanError
-from rota.model.limits import LONGEST_S, SHORTEST_LOOP_S
+from rota.model.fields import field_of
+from rota.model.limits import LARGEST_M, LONGEST_S, SHORTEST_LOOP_S
 
 Floats = NDArray[np.float64]
+Place = tuple[float, float]
+PLACES: dict[str, Any] = {"least": -LARGEST_M, "most": LARGEST_M}
+TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}
 
 BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
 
@@ -31,9 +36,16 @@ class Waypoints:
     told for every leg. Raises PlanError for other shapes, numbers that are not finite and a speed that is not above 0.
     """
 
-    places_m: Floats
-    times_s: Floats
-    speed_m_s: float
+    places_m: Floats = field_of(
+        meaning="the robot begins at the first", form=tuple[Place, ...], count=((2, None),), **PLACES
+    )
+    times_s: Floats = field_of(
+        meaning="left at the first, nearest to the others, then to it",
+        form=tuple[float, ...],
+        count=((3, None),),
+        **TIMES,
+    )
+    speed_m_s: float = field_of(meaning="told for every leg", above=0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "places_m", _frozen(self.places_m))
@@ -69,13 +81,20 @@ class Trajectory:
     Raises PlanError for all else, for values that are not finite, times beyond 1e10 s and loops of less than 1e-6 s.
     """
 
-    robot: str
-    times_s: Floats
-    positions_m: Floats
-    headings_rad: Floats | None = None
-    accelerations_m_s2: Floats | None = None
-    waypoints: Waypoints | None = None
-    loop_start_s: float = 0.0
+    robot: str = field_of(key="name", count=((1, None),))
+    loop_start_s: float = field_of(0.0, **TIMES)
+    times_s: Floats = field_of(form=tuple[float, ...], **TIMES)
+    positions_m: Floats = field_of(form=tuple[tuple[float, ...], ...], count=((1, None), (2, 3)), **PLACES)
+    headings_rad: Floats | None = field_of(None, form=tuple[float, ...] | None, count=((0, None),))
+    accelerations_m_s2: Floats | None = field_of(
+        None,
+        "along each leg; absent: all legs are driven at constant speeds",
+        form=tuple[float, ...] | None,
+        count=((0, None),),
+        newer=True,
+        spared=True,
+    )
+    waypoints: Waypoints | None = field_of(None, newer=True, spared=True)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "times_s", _frozen(self.times_s))

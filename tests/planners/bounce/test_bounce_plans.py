@@ -423,7 +423,7 @@ def test_what_cannot_be_is_refused_with_its_reason() -> None:
     refused(r"there are only 2 free cells", mission_on("..", 3, task="cover"))
     refused(r"2 robots are not allowed; there is only 1 free cell$", mission_on(".", 2, task="cover"))
     both = [Robot(name="a", start=(0.5, 0.5), **at), Robot(name="b", start=(0.5 + 2e-6, 0.5), **at)]
-    refused(r"start", mission_on(ROOM, both, task="cover"))
+    refused(r"start", mission_on(ROOM, both, task="cover", body_radius_m=0))
     with pytest.raises(MissionError, match="bouncing_angles_deg: 2 angles"):
         mission_on(ROOM, 3, task="cover", bouncing_angles_deg=(90, 45))
     with pytest.raises(MissionError, match=r"100 is not allowed; it must be a multiple of .* 45 degrees"):

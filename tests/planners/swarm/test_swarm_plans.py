@@ -240,13 +240,13 @@ def test_every_kind_of_robot_has_its_own_sizes() -> None:
         ([(10, 10), (10.5, 10)], "is 0.5 m from"),
         ([(-1, 10)], "1 m outside the area"),
         ([(62, 62)], "lies in an obstacle"),
-        ([(math.nan, 3)], "must be within"),
+        ([(math.nan, 3)], r"robot r0: start\[0\]: \.nan is not allowed; a finite number is needed"),
     ],
 )
 def test_starts_that_cannot_be_are_refused(starts: list[tuple[float, float]], words: str) -> None:
-    robots = [robot(f"r{k}", start) for k, start in enumerate(starts)]
+    obstacles = (Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)])),)
     with pytest.raises(MissionError, match=words):
-        with_robots(*robots, obstacles=(Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)])),))
+        with_robots(*(robot(f"r{k}", start) for k, start in enumerate(starts)), obstacles=obstacles)
 
 
 def test_more_robots_than_fit_are_refused() -> None:

@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor, Zone
 from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.annealing import search as searching
 from rota.planners.patrol.annealing.chain_kernels import range_m
@@ -34,7 +34,7 @@ from rota.planners.patrol.initial.first_tours import first_tours
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
-ROBOT = Robot(name="r", speed_m_s=2, sensor=DiscSensor(radius_m=3))
+ROBOT = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=3)).equal_robot("r")
 SQUARE = np.array([[0.0, 0], [6, 0], [6, 6], [0, 6]])
 
 

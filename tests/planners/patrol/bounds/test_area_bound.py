@@ -35,7 +35,7 @@ FIG13_M2 = (1050.0, 2025.0, 9825.0)
 
 
 def disc_robot(radius_m: float, speed_m_s: float) -> Robot:
-    return Robot(name="r", speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=radius_m))
+    return Fleet(speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=radius_m)).equal_robot("r")
 
 
 def with_periods(mission: Mission, periods_s: tuple[float, float, float]) -> Mission:
@@ -99,7 +99,7 @@ def test_nothing_asked_and_hardly_anything_asked() -> None:
 
 
 def test_a_square_sweeps_most_along_its_diagonal() -> None:
-    robot = Robot(name="r", speed_m_s=3, sensor=SquareSensor(side_m=2))
+    robot = Fleet(speed_m_s=3, sensor=SquareSensor(side_m=2)).equal_robot("r")
     # what a leg at an angle sweeps is the footprint's width across it: brute force over headings
     angles = np.linspace(0, math.pi, 100_001)
     widths = 2 * (np.abs(np.cos(angles)) + np.abs(np.sin(angles)))
@@ -140,14 +140,14 @@ def test_never_above_robots_that_stand_side_by_side() -> None:
         side = n * math.sqrt(2)  # n x n unit discs, each round a square of side sqrt 2
         for period in (1e-6, 1e-3, 1.0, 1e3):
             assert area_rate_bound([side**2], [period], disc_robot(1, 1)) <= n * n
-        square = Robot(name="r", speed_m_s=1, sensor=SquareSensor(side_m=2))
+        square = Fleet(speed_m_s=1, sensor=SquareSensor(side_m=2)).equal_robot("r")
         assert area_rate_bound([(2 * n) ** 2], [1e-9], square) == n * n
 
 
 def test_never_above_a_square_that_goes_to_and_fro_along_a_diagonal() -> None:
     # it sees a band of width sqrt(2) a: A = a^2 + sqrt(2) a L after L metres one way, and is back at the end after 2 L
     a, speed = 2.0, 3.0
-    robot = Robot(name="r", speed_m_s=speed, sensor=SquareSensor(side_m=a))
+    robot = Fleet(speed_m_s=speed, sensor=SquareSensor(side_m=a)).equal_robot("r")
     for length in (0.1, 1.0, 10.0, 1000.0):
         area = a * a + math.sqrt(2) * a * length
         assert area_rate_bound([area], [2 * length / speed], robot) == 1

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Point, box
 
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
-from rota.model.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Robot, SquareSensor
 from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import rim_share, swept_robots
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
@@ -28,8 +28,8 @@ CASES = {
     (8, 10, 20): (5, 9),
     (12, 10, 10): (7, 11),
 }
-DISC = Robot(name="disc", speed_m_s=20, sensor=DiscSensor(radius_m=5))
-SQUARE = Robot(name="square", speed_m_s=3, sensor=SquareSensor(side_m=2))
+DISC = Fleet(speed_m_s=20, sensor=DiscSensor(radius_m=5)).equal_robot("disc")
+SQUARE = Fleet(speed_m_s=3, sensor=SquareSensor(side_m=2)).equal_robot("square")
 
 
 def polygons(shape: shapely.Geometry) -> MultiPolygon:

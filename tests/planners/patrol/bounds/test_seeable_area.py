@@ -9,7 +9,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.geometry.free_space import DemandedRegion, border_segments, demanded_regions, sight_walls, standing_space
 from rota.geometry.tiles import Box, few_cornered_boxes
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.ground.nearest_places import nearest_places
 
@@ -21,7 +21,7 @@ def test_the_area_surely_seen_is_never_too_much_and_nearly_all() -> None:
         Obstacle(shape=MultiPolygon([box(20, 4, 24.5, 7)]), blocks="motion"),
         Obstacle(shape=MultiPolygon([box(10, 1, 10.2, 9)]), blocks="sight"),
     )
-    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.5)
+    robot = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.5).equal_robot("r")
     for some in (obstacles[:1], obstacles[:2], obstacles):
         mission = Mission(
             name="yard", area=MultiPolygon([box(0, 0, 30, 10)]), obstacles=some, period_s=100,
@@ -42,7 +42,7 @@ def test_dents_of_the_space_are_not_filled_in(body_m: float, reach_m: float) -> 
     # GEOS draws round an outline without its shallow dents, which takes in ground that no sensor reaches
     space = MultiPolygon([Polygon([(-5, -5), (5, -5), (5, 0), (0.5, 0), (0, -0.009), (-0.5, 0), (-5, 0)])])
     asked = MultiPolygon([box(-5, -5, 5, 3)])
-    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=reach_m), body_radius_m=body_m)
+    robot = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=reach_m), body_radius_m=body_m).equal_robot("r")
     region = DemandedRegion(name="area", period_s=100, demand="every_point", shape=asked)
     sides = shapely.linestrings(border_segments(space).reshape(-1, 2, 2))
     truly = shapely.union_all([space, *shapely.buffer(sides, reach_m, quad_segs=64)]).intersection(asked).area
@@ -60,7 +60,7 @@ def test_areas_added_up_over_boxes_are_those_of_all_at_once(monkeypatch: pytest.
     )  # fmt: skip
     regions, space, walls = demanded_regions(mission), standing_space(mission, 0.2), sight_walls(mission)
     # a body smaller than the one that the space was made for: ground beyond it counts where no wall is near
-    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=0.5), body_radius_m=0.1)
+    robot = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=0.5), body_radius_m=0.1).equal_robot("r")
     boxes = []
 
     def areas(most: int) -> list[float]:

@@ -18,7 +18,7 @@ from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.bounds.turning_bound import circle_radius_m, steady_speed_m_s, turning_robots
 from rota.planners.patrol.ground.problem import set_up_problem
 
-ROBOT = Robot(name="r", speed_m_s=3.0, sensor=DiscSensor(radius_m=4), turn_rate_rad_s=0.7)
+ROBOT = Fleet(speed_m_s=3.0, sensor=DiscSensor(radius_m=4), turn_rate_rad_s=0.7).equal_robot("r")
 
 
 def mean_speed_m_s(corners_m: NDArray[np.float64], robot: Robot) -> float:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from shapely import LineString, distance, points
 
 from rota.check.accelerations import acceleration_violations
-from rota.model.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Fleet, Robot
 from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
@@ -23,7 +23,7 @@ def copter(name: str) -> Robot:
     """A copter of this name at 8 m/s with what its mission file gets from the presets."""
     preset = VEHICLES[name].preset(("acceleration_m_s2", "corner_acceleration_m_s2", "corner_m"))
     motion = MotionLimits(vehicle=name, **preset)
-    return Robot(name="robot-1", speed_m_s=8, sensor=DiscSensor(radius_m=15), motion=motion)
+    return Fleet(speed_m_s=8, sensor=DiscSensor(radius_m=15), motion=motion).equal_robot("robot-1")
 
 
 def driving(name: str) -> Auto:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import LineString, distance, points
 
 from rota.check.accelerations import acceleration_violations
-from rota.model.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Fleet, Robot
 from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.driving import driving_of
@@ -26,7 +26,7 @@ NEARLY = 2e-3  # limits are planned a thousandth below what they are
 
 def robot(speed_m_s: float = 8.0, **limits: float) -> Robot:
     motion = MotionLimits(acceleration_m_s2=limits.pop("acceleration_m_s2", 3.0), **limits)  # type: ignore[arg-type]
-    return Robot(name="r", speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=5), motion=motion)
+    return Fleet(speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=5), motion=motion).equal_robot("r")
 
 
 def seconds(vertices_m: Floats, one: Robot) -> float:
@@ -144,10 +144,8 @@ def test_a_start_from_rest_gets_to_its_speed_where_it_is_to() -> None:
 def test_a_loop_may_begin_in_the_midst_of_any_leg() -> None:
     # the same curves of tangents, begun anywhere: where a loop begins says nothing of what can be driven
     rng = np.random.default_rng(5)
-    one = Robot(
-        name="r", speed_m_s=8, sensor=DiscSensor(radius_m=5),
-        motion=MotionLimits(acceleration_m_s2=3.0, corner_m=1.0),
-    )  # fmt: skip
+    motion = MotionLimits(acceleration_m_s2=3.0, corner_m=1.0)
+    one = Fleet(speed_m_s=8, sensor=DiscSensor(radius_m=5), motion=motion).equal_robot("r")
     for _ in range(20):
         line = driving_of(one).timed(rng.uniform(0, 60, (6, 2)))
         for phase_s in rng.uniform(0, line.duration_s, 10):

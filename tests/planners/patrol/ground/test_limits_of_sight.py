@@ -28,8 +28,8 @@ from rota.planners.patrol.ground.standing import fine_arc_corners
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour
 
-DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2))
-SQUARE = Robot(name="r", speed_m_s=1, sensor=SquareSensor(side_m=4))
+DISC = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2)).equal_robot("r")
+SQUARE = Fleet(speed_m_s=1, sensor=SquareSensor(side_m=4)).equal_robot("r")
 CLOSED = box(4, 4, 9, 9.5)  # wider than twice the reach: 1 m x 1.5 m of it nobody sees
 SPACE = MultiPolygon([box(0, 0, 14, 14).difference(CLOSED)])
 GROUND = DemandedRegion(name="area", period_s=60, demand="every_point", shape=MultiPolygon([box(0, 0, 14, 14)]))

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
-from rota.model.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Robot, SquareSensor
 from rota.planners.patrol.ground import nearest_places as places_module
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 
 Floats = NDArray[np.float64]
-DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=3))
-SQUARE = Robot(name="r", speed_m_s=1, sensor=SquareSensor(side_m=6))
+DISC = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=3)).equal_robot("r")
+SQUARE = Fleet(speed_m_s=1, sensor=SquareSensor(side_m=6)).equal_robot("r")
 NO_WALLS = np.zeros((0, 4))
 SPACE = MultiPolygon([box(0, 0, 10, 4).difference(box(3, 1, 6, 3)), shapely.Polygon([(12, 6), (15, 9), (11, 10)])])
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
-from rota.model.mission import DiscSensor, Robot, SquareSensor
+from rota.model.mission import DiscSensor, Fleet, Robot, SquareSensor
 from rota.planners.patrol.ground import viewpoints
 from rota.planners.patrol.ground.samples import points_of, prepare
 from rota.planners.patrol.ground.sight import sensor_arguments
@@ -25,8 +25,8 @@ from rota.planners.patrol.ground.viewpoints import (
 )
 
 Floats = NDArray[np.float64]
-DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=3))
-SQUARE = Robot(name="r", speed_m_s=1, sensor=SquareSensor(side_m=6))
+DISC = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=3)).equal_robot("r")
+SQUARE = Fleet(speed_m_s=1, sensor=SquareSensor(side_m=6)).equal_robot("r")
 NO_WALLS = np.zeros((0, 4))
 
 

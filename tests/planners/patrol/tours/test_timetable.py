@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString
 
-from rota.model.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Fleet, Robot
 from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, thinned
 from rota.planners.patrol.driving.timed_line import started_at, steady
 from rota.planners.patrol.tours.timetable import (
@@ -23,7 +23,7 @@ from rota.planners.patrol.tours.timetable import (
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
-ROBOT = Robot(name="r", speed_m_s=2, sensor=DiscSensor(radius_m=1))
+ROBOT = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=1)).equal_robot("r")
 TURNING = replace(ROBOT, turn_rate_rad_s=0.5)
 SQUARE = np.array([[0.0, 0], [6, 0], [6, 6], [0, 6]])
 
@@ -136,7 +136,7 @@ def test_thinning_keeps_the_line() -> None:
 
 
 def test_between_two_corners_of_walls_that_nearly_touch_each_is_passed_slowly() -> None:
-    robot = Robot(name="r", speed_m_s=2.0, sensor=DiscSensor(radius_m=1.0))
+    robot = Fleet(speed_m_s=2.0, sensor=DiscSensor(radius_m=1.0)).equal_robot("r")
     zigzag = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2e-6], [2.0, 2e-6], [1.0, 3.0], [1.0 - 5e-7, 3.0]])
     times_s, places_m, _ = loop_timetable(zigzag, robot)
     np.testing.assert_array_equal(places_m[:-1], zigzag[:5])

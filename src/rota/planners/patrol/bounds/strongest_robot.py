@@ -18,7 +18,8 @@ def strongest_robot(fleet: Fleet) -> Robot:
         sensor = DiscSensor(radius_m=max(robot.sensor.reach_m for robot in robots))
     rates = [robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
     turns = len(rates) == len(robots)  # one that turns in no time makes the strongest do so
-    return Robot(name="strongest", speed_m_s=speed_m_s, sensor=sensor, turn_rate_rad_s=max(rates) if turns else None)
+    alike = Fleet(speed_m_s=speed_m_s, sensor=sensor, turn_rate_rad_s=max(rates) if turns else None)
+    return alike.equal_robot("strongest")
 
 
 def sweep_m2_s(robot: Robot) -> float:

@@ -14,7 +14,7 @@ from tests.planners.patrol.searching import search_on
 import rota
 from rota.errors import NoPlanFound
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.large.pieces import (
     MOST_SHARING,
@@ -36,7 +36,7 @@ BLOCKS = Mission(
     fleet=Fleet(speed_m_s=3, sensor=DiscSensor(radius_m=4)),
     planning=PatrolSettings(effort="quick"),
 )
-ROBOT = Robot(name="any", speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0))
+ROBOT = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0)).equal_robot("any")
 PERIOD_S = 100.0
 OPEN = ShortestPaths(MultiPolygon([box(-1, -1, 2000, 200)]))
 

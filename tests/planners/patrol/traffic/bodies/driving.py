@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.model.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Fleet
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.tour import Tour
 
@@ -18,7 +18,9 @@ def tour(
     vertices_m: Sequence[tuple[float, float]], period_s: float, robots: int = 1, turn: float | None = None
 ) -> Tour:
     """A tour at one metre per second for bodies of half a metre."""
-    robot = Robot(name="r", speed_m_s=1.0, sensor=DiscSensor(radius_m=3), body_radius_m=BODY_M, turn_rate_rad_s=turn)
+    robot = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=3), body_radius_m=BODY_M, turn_rate_rad_s=turn).equal_robot(
+        "r"
+    )
     return Tour(vertices_m=np.array(vertices_m, float), period_class=0, period_s=period_s, robots=robots, robot=robot)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely import box
 
-from rota.model.mission import DiscSensor, Robot, StartBox
+from rota.model.mission import DiscSensor, Fleet, StartBox
 from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
@@ -35,9 +35,8 @@ def test_the_latest_arrival_is_as_early_as_any_assignment_has_it(seed: int) -> N
 
 
 def way(*places: tuple[float, float], speed: float = 1.0) -> Approach:
-    return timed_approach(
-        np.array(places, dtype=np.float64), Robot(name="r", speed_m_s=speed, sensor=DiscSensor(radius_m=1))
-    )
+    robot = Fleet(speed_m_s=speed, sensor=DiscSensor(radius_m=1)).equal_robot("r")
+    return timed_approach(np.array(places, dtype=np.float64), robot)
 
 
 def test_robots_in_a_row_leave_front_first() -> None:

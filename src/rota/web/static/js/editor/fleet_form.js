@@ -49,7 +49,7 @@ export class FleetForm {
       this.count(),
       heeded ? motion.vehicle(["fleet"], "none: changes speed at once") : null,
       countOf(this.fleet.robots) === "number" ? fields.number(["fleet", "robots"], "Number of robots", { step: "1" }) : null,
-      fields.number(["fleet", "speed_m_s"], "Speed", { unit: "m/s", placeholder: motion.preset(vehicle, "speed_m_s") }),
+      ...motion.numbers(["fleet"], vehicle, (name) => name === "speed_m_s"),
       ...this.sensor(["fleet", "sensor"], this.fleet.sensor, true),
     );
     const more = el(
@@ -59,10 +59,7 @@ export class FleetForm {
       el(
         "div",
         { class: "fields" },
-        fields.number(["fleet", "body_radius_m"], "Body radius", { unit: "m", placeholder: "0" }),
-        fields.number(["fleet", "turn_rate_rad_s"], "Turn rate", { unit: "rad/s", help: "Empty: turning takes no time.", placeholder: motion.preset(vehicle, "turn_rate_rad_s") }),
-        fields.number(["fleet", "turn_radius_m"], "Turn radius", { unit: "m", placeholder: "0", help: "0: turns on the spot. Fixed wings: their arcs." }),
-        fields.number(["fleet", "altitude_m"], "Altitude", { unit: "m", placeholder: "30", help: "For exports." }),
+        ...motion.numbers(["fleet"], vehicle, (name, about) => name !== "speed_m_s" && about.group === undefined),
       ),
     );
     const list = countOf(this.fleet.robots) === "list" ? this.robotList(robots) : null;

@@ -2,30 +2,25 @@
 
 import { el } from "../dom.js";
 import { valueAt, withValue } from "./paths.js";
-
-const FIELDS = {
-  acceleration_m_s2: ["Acceleration", "m/s²"],
-  corner_acceleration_m_s2: ["Acceleration round corners", "m/s²"],
-  jerk_m_s3: ["Jerk", "m/s³"],
-  corner_m: ["Corners cut by", "m"],
-  climb_m_s: ["Climbs at", "m/s"],
-  descend_m_s: ["Descends at", "m/s"],
-  top_airspeed_m_s: ["Fastest through the air", "m/s"],
-  wind_m_s: ["Wind", "m/s"],
-};
+import { numberField, numbersOf } from "./schema_fields.js";
 
 /** A fleet or a robot without vehicle and motion, for planners that do not heed them; it keeps its vehicle's speed. */
 export function changingSpeedAtOnce(block, schema) {
   if (typeof block !== "object" || block === null) {
     return block;
   }
-  const kept = Object.fromEntries(Object.entries(block).filter(([name]) => name !== "vehicle" && !(name in FIELDS)));
+  const isMotion = (name) => propertiesOf(schema)[name]?.group === "motion";
+  const kept = Object.fromEntries(Object.entries(block).filter(([name]) => !isMotion(name)));
   const speed = presetsOf(schema)[block.vehicle]?.speed_m_s;
   return speed === undefined || block.speed_m_s !== undefined ? kept : { ...kept, speed_m_s: speed };
 }
 
+function propertiesOf(schema) {
+  return schema?.properties?.fleet?.properties ?? {};
+}
+
 function presetsOf(schema) {
-  return schema?.$defs?.FleetBlock?.properties?.vehicle?.presets ?? {};
+  return propertiesOf(schema).vehicle?.presets ?? {};
 }
 
 export class MotionFields {
@@ -35,7 +30,7 @@ export class MotionFields {
    */
   constructor(fields, schema) {
     this.fields = fields;
-    this.properties = schema?.$defs?.FleetBlock?.properties ?? {};
+    this.properties = propertiesOf(schema);
     this.presets = presetsOf(schema);
     this.speeds = new Map(); // those that vehicles took the place of
   }
@@ -69,11 +64,15 @@ export class MotionFields {
     store.apply(next);
   }
 
+  /** The numbers of a fleet that are wanted, by name and what the schema says of them. */
+  numbers(path, vehicle, isWanted) {
+    const wanted = numbersOf(this.properties).filter(([name, about]) => isWanted(name, about));
+    return wanted.map(([name, about]) => numberField(this.fields, path, name, about, this.preset(vehicle, name)));
+  }
+
   /** All limits of motion, folded. */
   limits(path, vehicle) {
-    const inputs = Object.entries(FIELDS).map(([name, [label, unit]]) =>
-      this.fields.number([...path, name], label, { unit, help: this.properties[name]?.description ?? "", placeholder: this.preset(vehicle, name) }),
-    );
+    const inputs = this.numbers(path, vehicle, (name, about) => about.group === "motion");
     return el("details", {}, el("summary", {}, "Motion and wind"), el("div", { class: "fields" }, ...inputs));
   }
 }

@@ -4,15 +4,9 @@ import { el } from "../dom.js";
 import { keepingFocus } from "./fields.js";
 import { changingSpeedAtOnce } from "./motion_fields.js";
 import { withValue } from "./paths.js";
+import { plain, worded } from "./schema_fields.js";
 
 const FIRST_SETTINGS = ["effort", "task", "controller", "method"]; // shown before the rest is unfolded
-const UNITS = [
-  [/_m_s$/, "m/s"],
-  [/_rad_s$/, "rad/s"],
-  [/_m$/, "m"],
-  [/_s$/, "s"],
-  [/_deg$/, "°"],
-];
 
 export class PlannerForm {
   /**
@@ -123,18 +117,4 @@ export class PlannerForm {
 /** The settings of a planner in the schema: their names and what they may be. */
 export function settingsOf(schema, planner) {
   return plain(schema.properties?.[planner] ?? {}).properties ?? {};
-}
-
-/** What a value may be, where it may be null as well. */
-function plain(about) {
-  const choice = about.anyOf?.find((option) => option.type !== "null");
-  return choice === undefined ? about : { default: about.default, ...choice };
-}
-
-/** A setting's name in words, and its unit. */
-function worded(name) {
-  const unit = UNITS.find(([pattern]) => pattern.test(name));
-  const stem = unit === undefined ? name : name.replace(unit[0], "");
-  const words = stem.replaceAll("_", " ");
-  return [words.charAt(0).toUpperCase() + words.slice(1), unit === undefined ? "" : unit[1]];
 }

@@ -1,0 +1,86 @@
+"""Each field of missions and plans is declared once: schemas, readers, writer and examples know it by that alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import pytest
+
+from rota.files.blocks import Block, block_of, made, read_block
+from rota.files.json_schema import block_schema
+from rota.files.mission_file import mission_schema
+from rota.files.mission_schema import mission_block
+from rota.files.plan_schema import plan_block
+from rota.model.field_values import as_written
+from rota.model.fields import field_of, fields_of, flat_fields_of
+from rota.model.fleet import Abilities, DiscSensor, Fleet, Robot, SquareSensor, StartPoints
+from rota.model.importance import ImportanceMap
+from rota.model.limits import RATE
+from rota.model.mission import GeoPoint, Mission, MovingObstacle, Obstacle, Zone
+from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Plan, RunEnd, Trajectory, Waypoints
+
+TYPES = [
+    Abilities, DiscSensor, Fleet, GeoPoint, ImportanceMap, Mission, MotionLimits, MovingObstacle, Obstacle, Plan, Robot,
+    RunEnd, SquareSensor, StartPoints, Trajectory, Waypoints, Zone,
+]  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class BrakingFleet(Fleet):
+    """A fleet with one field more."""
+
+    braking_m_s2: float | None = field_of(None, "null: at once", above=0, written=RATE, newer=True, spared=True)
+
+
+def test_a_field_that_is_declared_is_read_checked_published_and_written() -> None:
+    sensor = {"shape": "disc", "radius_m": 4}
+    for form in ("mission", "plan"):
+        robots = next(item for item in fleet_block(form).fields if item.name == "robots")
+        block = block_of(BrakingFleet, form, {"robots": robots})
+        about = block_schema(block)["properties"]["braking_m_s2"]
+        least = {"minimum": 1e-6, "maximum": 1e6} if form == "mission" else {"exclusiveMinimum": 0}
+        assert about["anyOf"] == [{"type": "number", **least}, {"type": "null"}]
+        assert about["description"] == "null: at once"
+        document = {"robots": "fewest", "speed_m_s": 5, "sensor": sensor, "body_radius_m": 0, "altitude_m": 30}
+        document |= {"turn_rate_rad_s": None, "braking_m_s2": -2}
+        (fault,) = read_block(block, document)[1]
+        assert (fault.place, fault.message.partition(";")[0]) == (("braking_m_s2",), "-2 is not allowed")
+        values, faults = read_block(block, {**document, "braking_m_s2": 2})
+        assert not faults
+        fleet = made(BrakingFleet, **values)
+        assert (fleet.braking_m_s2, as_written(fleet)["braking_m_s2"]) == (2, 2.0)
+        assert "braking_m_s2" not in as_written(made(BrakingFleet, **values | {"braking_m_s2": None}))
+
+
+def fleet_block(form: str) -> Block:
+    block = mission_block() if form == "mission" else next(i for i in plan_block().fields if i.name == "mission").block
+    found: Block = next(item for item in block.fields if item.name == "fleet").block
+    return found
+
+
+@pytest.mark.parametrize("kind", TYPES)
+def test_every_field_is_declared(kind: type[Any]) -> None:
+    assert {item.name for item in fields_of(kind)} == {item.name for item in fields(kind)}
+    assert all(item.unit for item in fields_of(kind) if item.kind == "number" and "_" in item.name)
+
+
+@pytest.mark.parametrize("form", ["mission", "plan"])
+def test_files_have_every_field_of_fleets_and_robots(form: str) -> None:
+    fleet = fleet_block(form)
+    assert {item.name for item in fleet.fields} == {item.name for item in flat_fields_of(Fleet)}
+    robots = next(item for item in fleet.fields if item.name == "robots").choices[-1].item
+    assert robots is not None
+    assert {item.name for item in robots.block.fields} == {item.name for item in flat_fields_of(Robot)}
+
+
+def test_the_page_has_from_the_schema_what_numbers_of_fleets_are_called_and_mean() -> None:
+    published = mission_schema()["properties"]["fleet"]["properties"]
+    for item in flat_fields_of(Fleet):
+        assert published[item.name].get("description", "") == (
+            item.meaning if item.name != "robots" else published["robots"]["description"]
+        )
+        assert published[item.name].get("title", "") == item.title
+    motion = {name for name, about in published.items() if about.get("group") == "motion"}
+    assert motion == {item.name for item in fields_of(MotionLimits)}
