@@ -185,7 +185,7 @@ def test_without_its_distribution_it_is_not_known(fair: Path, monkeypatch: pytes
         cached.cache_clear()
     with pytest.raises(MissionError, match=r'planner: "merry_go_round" is not allowed; patrol, swarm or bounce is'):
         read_mission("fair.yaml")
-    with pytest.raises(PlanError, match=r"mission\.planner: Input should be 'patrol', 'swarm' or 'bounce'"):
+    with pytest.raises(PlanError, match=r'planner: "merry_go_round" is not allowed; patrol, swarm or bounce is'):
         read_plan("fair.rota.json")
 
 

@@ -44,8 +44,9 @@ zones:
 
 fleet:
   robots: fewest                     # or a number, or a list: [{name: left}, {name: right, speed_m_s: 3}]
-  vehicle: arducopter-tuned          # or arducopter (by default parameters), px4, dji, arduplane, agv, turtlebot4,
-                                     # none: presets what is not given. Without one robots change speed at once
+  vehicle: arducopter-tuned          # or arducopter (by default parameters), arducopter-targets, px4, dji,
+                                     # arduplane, agv, turtlebot4, none: presets what is not given. Without one robots
+                                     # change speed at once
   speed_m_s: 8
   sensor: {shape: disc, radius_m: 8}     # or {shape: square, side_m: 16}
   body_radius_m: 0                   # how far robots keep from walls and from each other

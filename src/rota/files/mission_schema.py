@@ -223,14 +223,15 @@ def mission_block(data: object = None) -> Block:
     data: a file as it was read; None: all planners have their blocks.
     """
     named = (data.get("planner"), *data) if isinstance(data, dict) else loadable_planners() if data is None else ()
-    return _mission_block(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+    known = planner_names()
+    return _mission_block(tuple(name for name in known if name in PLANNERS or name in named), known)
 
 
 @cache
-def _mission_block(names: tuple[str, ...]) -> Block:
-    """The same, for planners of these names."""
+def _mission_block(names: tuple[str, ...], known: tuple[str, ...]) -> Block:
+    """The same, with a block for planners of these names, of all that are known."""
     fields = [item for item in fields_in(Mission, "mission", _known()) if item.name != "planning"]
-    planner = Field(name="planner", kind="option", options=planner_names(), default=DEFAULT)
+    planner = Field(name="planner", kind="option", options=known, default=DEFAULT)
     settings = [
         Field(
             name=name,

@@ -145,14 +145,15 @@ def plan_block(document: object = None) -> Block:
     document: a file as it was read; None: all planners have theirs.
     """
     named = (inner(document, "mission", "planner"),) if document is not None else loadable_planners()
-    return _plan_block(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+    known = planner_names()
+    return _plan_block(tuple(name for name in known if name in PLANNERS or name in named), known)
 
 
 @cache
-def _plan_block(names: tuple[str, ...]) -> Block:
-    """The same, for planners of these names."""
+def _plan_block(names: tuple[str, ...], known: tuple[str, ...]) -> Block:
+    """The same, with a block for planners of these names, of all that are known."""
     fields = [item for item in fields_in(Mission, "plan", _known()) if item.name != "planning"]
-    fields.append(Field(name="planner", kind="option", options=planner_names(), needed=True))
+    fields.append(Field(name="planner", kind="option", options=known, needed=True))
     fields += [
         Field(
             name=name, kind="block", block=block_of(planner_named(name).settings, "plan"), optional=True, default=None
