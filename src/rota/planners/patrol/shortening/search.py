@@ -35,7 +35,8 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     Each attempt begins with the tours found: the first ones with much heat, which gives them another shape where the
     budgets leave room for one, the last with little. Loops that became shorter so are shortened further, unless some
     are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
-    is, for no linear program closes the gaps there; and so is very large ground. The larger the ground, the fewer
+    is, for no linear program closes the gaps there; and so is very large ground. Loops of robots with mass lose spikes
+    alone. The larger the ground, the fewer
     attempts its ``most_work`` allows, and the last ones take least.
     """
     settings, problem = context.settings.shortening, context.problem
@@ -43,7 +44,8 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
         return found
     fewest_turns = PatrolSettings.of(problem.mission).prefer == "fewest_turns"
     may_be_bold = not fewest_turns and not has_nests(found.tours)
-    attempts = [attempt for attempt in settings.attempts if may_be_bold or not attempt.bold]
+    anneals = not problem.robot.motion.has_mass  # with mass no annealed loops passed (docs/ablation.md)
+    attempts = [attempt for attempt in settings.attempts if anneals and (may_be_bold or not attempt.bold)]
     left = settings.most_work / reaches(problem)
     for turn, attempt in enumerate(attempts):
         if context.should_stop():
