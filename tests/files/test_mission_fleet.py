@@ -137,3 +137,11 @@ def test_the_mission_itself_refuses_what_the_file_refuses() -> None:
 
 def fleet_with(**values: Any) -> Fleet:
     return Fleet(sensor=DiscSensor(radius_m=1), **values)
+
+
+def test_wind_that_no_airspeed_withstands_is_told(tmp_path: Path) -> None:
+    _, warnings = told(tmp_path, vehicle="px4", wind_m_s=3)
+    assert len(warnings) == 1
+    assert "fleet.wind_m_s: changes nothing without top_airspeed_m_s" in warnings[0]
+    assert told(tmp_path, vehicle="px4", wind_m_s=3, top_airspeed_m_s=14)[1] == ()
+    assert told(tmp_path, vehicle="arducopter", wind_m_s=3)[1] == ()

@@ -107,12 +107,17 @@ def fleet_faults(block: Values) -> list[Fault]:
 
 
 def fleet_warnings(block: Values) -> list[Fault]:
-    """Vehicles of which no source tells what their mass allows."""
+    """Vehicles of which no source tells what their mass allows, and wind that changes nothing."""
     unknown = [
         one for one in _each(block) if one.vehicle.acceleration_unknown and one.values["acceleration_m_s2"] is None
     ]
     message = "no source tells its acceleration; without acceleration_m_s2 it is planned to change speed at once"
-    return list(dict.fromkeys(Fault(one.places["vehicle"], message) for one in unknown))
+    found = [Fault(one.places["vehicle"], message) for one in unknown]
+    idle = "changes nothing without top_airspeed_m_s, the speed through the air that it is taken from"
+    for one in _each(block):
+        if one.values["wind_m_s"] and one.values["top_airspeed_m_s"] is None:
+            found.append(Fault(one.places["wind_m_s"], f"{_named('wind_m_s', one.places['wind_m_s'])}{idle}"))
+    return list(dict.fromkeys(found))
 
 
 def _each(block: Values) -> Iterator[Driving]:
