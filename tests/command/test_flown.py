@@ -13,6 +13,7 @@ from rota.check import check_plan
 from rota.command.cli import run
 from rota.files.executed.plan_as_flown import plan_as_flown
 from rota.files.plan_file import write_plan
+from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Plan, Trajectory
 from rota.vehicles.motion import Wind
 from rota.vehicles.presets import ARDUCOPTER
@@ -80,6 +81,36 @@ def test_the_verdict_is_the_check_s_on_what_is_flown(tmp_path: Path, capsys: pyt
         assert all(0 < cut_m < 2 for cut_m in told["robots"][0]["corners_cut_m"])
 
 
+def test_wind_of_no_direction_blows_from_eight_and_the_worst_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = square(100)
+    east = Trajectory(robot="robot-1", times_s=[0.0, 8.0, 16.0], positions_m=[[0, 0], [60, 0], [0, 0]])
+    motion = MotionLimits(wind_m_s=6, top_airspeed_m_s=20)
+    fleet = replace(plan.mission.fleet, motion=motion)
+    plan = replace(plan, mission=replace(plan.mission, fleet=fleet), trajectories=(east,))
+    path, flown = written(plan, tmp_path), ["--executed", "waypoints", "--vehicle", "arducopter"]
+    assert run(["check", path, *flown, "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert [each["wind_from_deg"] for each in told["directions"]] == [0, 45, 90, 135, 180, 225, 270, 315]
+    by_wind = {each["wind_from_deg"]: each["slowest_factor"] for each in told["directions"]}
+    for from_deg in (0, 90):
+        _, (robot,) = plan_as_flown(plan, "waypoints", ARDUCOPTER, Wind(speed_m_s=6, from_deg=from_deg))
+        assert by_wind[from_deg] == pytest.approx(robot.factor)
+    assert told["wind_m_s"] == 6
+    assert by_wind[told["wind_from_deg"]] == told["robots"][0]["factor"] == max(by_wind.values())
+    # the report is of the worst direction; another speed of one's own takes the mission's place, and so does none
+    assert run(["check", path, *flown]) == 1
+    out = capsys.readouterr().out
+    assert f"in wind of 6 m/s from {told['wind_from_deg']:g} degrees, the worst of 8 directions" in out
+    assert "\n45 degrees   violated" in out
+    for wind, said in (("3", "in wind of 3 m/s from"), ("0", "without wind:"), ("3,90", "in wind of 3 m/s from 90 ")):
+        assert run(["check", path, *flown, "--wind", wind]) == 1
+        out = capsys.readouterr().out
+        assert said in out
+        assert ("8 directions" in out) is (wind == "3")
+
+
 def test_robots_that_stay_have_no_rounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = square(100)
     stays = Trajectory(robot="robot-1", times_s=[0.0, 5.0], positions_m=[[0, 0], [30, 0]], loop_start_s=5.0)
@@ -101,8 +132,12 @@ def test_what_cannot_be_flown_is_refused_in_a_sentence(tmp_path: Path, capsys: p
         (["--executed", "paper", "--vehicle", "arducopter"], "'paper' is not one of 'geojson'"),
         (["--executed", "vda5050", "--vehicle", "agv"], "--vehicle: 'agv' is not allowed: what its firmware makes"),
         (["--executed", "waypoints", "--vehicle", "copter"], "--vehicle: 'copter' is not one of 'arducopter'"),
-        ([*flown, "--wind", "5"], "--wind: '5' is not allowed; M_S,FROM_DEG is needed, such as 5,240"),
+        ([*flown, "--wind", "5,"], "--wind: '5,' is not allowed; M_S,FROM_DEG is needed, such as 5,240"),
         ([*flown, "--wind", "-5,0"], "--wind: '-5,0' is not allowed"),
+        ([*flown, "--wind", "-5"], "--wind: '-5' is not allowed"),
+        ([*flown, "--wind", "nan"], "--wind: 'nan' is not allowed"),
+        ([*flown, "--wind", "5,240,1"], "--wind: '5,240,1' is not allowed"),
+        ([*flown, "--wind", "25"], "wind of 25 m/s from 0 degrees: an ArduCopter by default parameters"),
         ([*flown, "--wind", "25,0"], "wind of 25 m/s from 0 degrees: an ArduCopter by default parameters"),
     ):
         assert run(["check", path, *arguments]) == 2

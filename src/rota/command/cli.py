@@ -168,31 +168,33 @@ def check(
     ] = None,
     wind: Annotated[
         str | None,
-        typer.Option(metavar="M_S,FROM_DEG", help="With --vehicle: steady wind and whence: 0 north, 90 east."),
+        typer.Option(metavar="M_S[,FROM_DEG]", help="With --vehicle: wind, from where (90: east) or anywhere."),
     ] = None,
 ) -> None:
     """Check a plan: exit code 0 when all is met, 1 when not."""
     from rota.check import check_plan
     from rota.command.executed import AsPlanned
-    from rota.command.flown import flown_by
+    from rota.command.flown import flown_by, worst_flight
 
     answer = read_plan_argument(plan)
     if mission is not None:
         answer = plan_for_mission(answer, mission)
     made: AsPlanned | Executed | ByVehicle = AsPlanned(plan=answer)
+    flights: tuple[ByVehicle, ...] = ()
     if executed is None:
         given = {"--vehicle": vehicle, "--in-phase-every": in_phase_every, "--origin": origin, "--wind": wind}
         if (option := next((name for name, value in given.items() if value is not None), None)) is not None:
             raise RotaError(f"{option}: is for --executed only")
     elif vehicle is not None:
-        made = flown_by(answer, executed, vehicle, wind, in_phase_every, origin)
+        flights = flown_by(answer, executed, vehicle, wind, in_phase_every, origin)
     elif wind is not None:
         raise RotaError("--wind: is for --vehicle only")
     else:
         made = plan_as_executed(answer, executed, in_phase_every, origin)
     mention_compiling(*compiled_packages(answer.mission))
     with saying_when_interrupted("the plan is not checked to the end"):
-        report = OwnThread(lambda: check_plan(made.plan)).awaited()
+        reports = OwnThread(lambda: [check_plan(each.plan) for each in flights or (made,)]).awaited()
+    made, report = worst_flight(flights, reports) if flights else (made, reports[0])
     typer.echo(json.dumps(made.to_json(report), indent=1) if as_json else made.text(report))
     for remark in made.remarks(answer, report):
         say(remark)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rota.command.executed import in_phase_every, table_of_worst
@@ -19,17 +20,32 @@ if TYPE_CHECKING:
     from rota.vehicles.motion import Wind
 
 STRAIGHT_M = 0.2  # what points may be off straight ways by, in what is told of leaving them out
+DIRECTIONS_DEG = range(0, 360, 45)  # from which wind may blow that has no direction
+
+
+@dataclass(frozen=True, kw_only=True)
+class InWind:
+    """What becomes of a plan in wind from one direction; slowest: the greatest factor of its robots' rounds."""
+
+    wind: Wind
+    verdict: str
+    worst_ratio: float
+    slowest: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class ByVehicle:
-    """A plan as a vehicle flies a format's files, in what wind; ``plan``: as it is judged."""
+    """A plan as a vehicle flies a format's files, in what wind; ``plan``: as it is judged.
+
+    directions: what becomes of it in wind from each direction, where this is the worst of several; else empty.
+    """
 
     plan: Plan
     vehicle: Vehicle
     format: str
     wind: Wind
     robots: tuple[RobotFlown, ...]
+    directions: tuple[InWind, ...] = ()
 
     def text(self, report: Report) -> str:
         """A row for each robot (rounds planned and flown, and how far corners are cut), then the report."""
@@ -39,12 +55,22 @@ class ByVehicle:
             round_s = each.motion.round_s
             cells = [f"{each.planned_s:.1f}", f"{round_s:.1f}", f"{each.factor:.2f}", f"{round_s - each.planned_s:.1f}"]
             rows.append((each.way.robot, *(cells if each.planned_s else ["stays", "", "", ""]), f"{cut_m:.1f}"))
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", ""]
-        for name, *row in rows:
-            padded = [cell.rjust(width) for cell, width in zip(row, widths[1:], strict=True)]
-            lines.append("  ".join([name.ljust(widths[0]), *padded]))
-        return "\n".join([*lines, "", table_of_worst(report)])
+        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", "", *_aligned(rows), ""]
+        if self.directions:
+            lines += [*_aligned([("wind from", "verdict", "worst ratio", "slowest round"), *self._directions()]), ""]
+        return "\n".join([*lines, table_of_worst(report)])
+
+    def _directions(self) -> list[tuple[str, ...]]:
+        """A row for each direction: the verdict, the longest gap beside its period, the slowest round."""
+        return [
+            (
+                f"{each.wind.from_deg:g} degrees",
+                each.verdict,
+                "never seen" if math.isinf(each.worst_ratio) else f"{each.worst_ratio:.3f}",
+                f"{each.slowest:.3f}",
+            )
+            for each in self.directions
+        ]
 
     def to_json(self, report: Report) -> dict[str, Any]:
         """The same as JSON values."""
@@ -56,6 +82,15 @@ class ByVehicle:
             "format": self.format,
             "wind_m_s": self.wind.speed_m_s,
             "wind_from_deg": self.wind.from_deg,
+            "directions": [
+                {
+                    "wind_from_deg": each.wind.from_deg,
+                    "verdict": each.verdict,
+                    "worst_ratio": None if math.isinf(each.worst_ratio) else each.worst_ratio,
+                    "slowest_factor": each.slowest,
+                }
+                for each in self.directions
+            ],
             "robots": [
                 {
                     "robot": each.way.robot,
@@ -109,42 +144,91 @@ class ByVehicle:
     def _wind_text(self) -> str:
         if not self.wind.speed_m_s:
             return "without wind"
-        return f"in wind of {self.wind.speed_m_s:g} m/s from {self.wind.from_deg:g} degrees"
+        told = f"in wind of {self.wind.speed_m_s:g} m/s from {self.wind.from_deg:g} degrees"
+        return f"{told}, the worst of {len(self.directions)} directions" if self.directions else told
 
 
 def flown_by(
     plan: Plan, name: str, vehicle: str, wind: str | None, in_phase_every_s: float | None, origin: str | None
-) -> ByVehicle:
-    """The plan as a named vehicle flies it. wind: M_S,FROM_DEG. Raises RotaError as ``plan_as_flown`` does."""
+) -> tuple[ByVehicle, ...]:
+    """The plan as a named vehicle flies it, in wind from each direction that it may blow from.
+
+    wind: M_S,FROM_DEG, or M_S from eight directions, as is the mission's own wind where None is given. Raises RotaError
+    as ``plan_as_flown`` does.
+    """
     from rota.exports import export_format, placed_for
     from rota.files.executed.plan_as_flown import plan_as_flown
     from rota.vehicles.presets import vehicle_named
 
     export_format(name, "--executed")
-    known, blows = vehicle_named(vehicle), _wind_given(wind)
+    known, winds = vehicle_named(vehicle), _winds_of(plan) if wind is None else _winds_given(wind)
     if origin is not None:
         plan = placed_for(plan, origin, name)
     mention_compiling("vehicles")
-    made, robots = plan_as_flown(plan, name, known, blows)
-    if in_phase_every_s is not None:
-        made = in_phase_every(plan, made, in_phase_every_s)
-    return ByVehicle(plan=made, vehicle=known, format=name, wind=blows, robots=robots)
+    flights = []
+    for blows in winds:
+        made, robots = plan_as_flown(plan, name, known, blows)
+        if in_phase_every_s is not None:
+            made = in_phase_every(plan, made, in_phase_every_s)
+        flights.append(ByVehicle(plan=made, vehicle=known, format=name, wind=blows, robots=robots))
+    return tuple(flights)
 
 
-def _wind_given(text: str | None) -> Wind:
-    """The wind of the text M_S,FROM_DEG; none without a text. Raises RotaError for other texts."""
+def worst_flight(flights: Sequence[ByVehicle], reports: Sequence[Report]) -> tuple[ByVehicle, Report]:
+    """The flight with the worst report, which then tells what becomes of the others; a single one as it is."""
+    if len(flights) == 1:
+        return flights[0], reports[0]
+    directions = tuple(
+        InWind(
+            wind=flight.wind,
+            verdict=report.verdict,
+            worst_ratio=report.worst_ratio,
+            slowest=max((robot.factor for robot in flight.robots), default=1.0),
+        )
+        for flight, report in zip(flights, reports, strict=True)
+    )
+    ranks = [(each.verdict != "met", each.worst_ratio, each.slowest) for each in directions]
+    worst = ranks.index(max(ranks))
+    return replace(flights[worst], directions=directions), reports[worst]
+
+
+def _winds_of(plan: Plan) -> tuple[Wind, ...]:
+    """The wind that a plan is for, the strongest of its robots', from each direction; where it is for none, no wind."""
+    return _from_each_direction(max((plan.mission.fleet.robot(way.robot).motion.wind_m_s for way in plan), default=0.0))
+
+
+def _winds_given(text: str) -> tuple[Wind, ...]:
+    """The wind of the text M_S,FROM_DEG, or of M_S from each direction. Raises RotaError for other texts."""
     from rota.vehicles.motion import Wind
 
-    if text is None:
-        return Wind()
     try:
-        speed_m_s, from_deg = (float(number) for number in text.split(","))
-        return Wind(speed_m_s=speed_m_s, from_deg=from_deg)
+        speed_m_s, *rest = (float(number) for number in text.split(","))
+        if not rest:
+            return _from_each_direction(speed_m_s)
+        (from_deg,) = rest
+        return (Wind(speed_m_s=speed_m_s, from_deg=from_deg),)
     except (ValueError, RotaError):
         raise RotaError(
             f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
-            " comes from, 0 north, 90 east"
+            " comes from, 0 north, 90 east; or M_S alone, such as 5: from eight directions"
         ) from None
+
+
+def _from_each_direction(speed_m_s: float) -> tuple[Wind, ...]:
+    from rota.vehicles.motion import Wind
+
+    if speed_m_s == 0:
+        return (Wind(),)
+    return tuple(Wind(speed_m_s=speed_m_s, from_deg=float(from_deg)) for from_deg in DIRECTIONS_DEG)
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """A line for each row, the first cell to the left and all others to the right, under each other."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return [
+        "  ".join([name.ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row, widths[1:], strict=True))])
+        for name, *row in rows
+    ]
 
 
 def _factor(plan: Plan, vehicle: Vehicle) -> float:
