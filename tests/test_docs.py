@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import shapely
 from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
+from docs.field_tables import with_fields
 from docs.house_picture import PICTURE, picture, reduced, rows_of
 from tests.planners.patrol.searching import YARD, search_on
 
@@ -103,6 +104,12 @@ def test_the_reference_names_modules_that_exist_and_all_public_names() -> None:
 
 def test_the_picture_of_the_house_is_what_the_imports_give() -> None:
     assert PICTURE.read_text() == picture(), "run python -m docs.house_picture"
+
+
+def test_usage_says_of_fields_what_their_declarations_say() -> None:
+    page = (DOCS / "usage.md").read_text()
+    assert page == with_fields(page), "run python -m docs.field_tables"
+    assert page.count("<!-- end -->") == 3
 
 
 def test_the_house_is_drawn_from_arrows_that_do_not_follow_from_others() -> None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
+    from rota.files.mission_writer import write_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
     from rota.model.mission import (
@@ -81,6 +82,7 @@ __all__ = [
     "worst_gaps_s",
     "write_checkpoint",
     "write_geojson",
+    "write_mission",
     "write_plan",
     "write_qgroundcontrol",
 ]
@@ -94,6 +96,7 @@ _MODULES = {
     "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "CheckpointError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
+    "rota.files.mission_writer": ["write_mission"],
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
     "rota.files.checkpoint_file": ["read_checkpoint", "write_checkpoint"],

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from rota.files.blocks import Block, block_of, made, read_block
+from rota.files.example_mission import example_mission_text
 from rota.files.json_schema import block_schema
 from rota.files.mission_file import mission_schema
 from rota.files.mission_schema import mission_block
 from rota.files.plan_schema import plan_block
+from rota.files.shape_schema import Area
 from rota.model.field_values import as_written
 from rota.model.fields import field_of, fields_of, flat_fields_of
 from rota.model.fleet import Abilities, DiscSensor, Fleet, Robot, SquareSensor, StartPoints
@@ -64,6 +66,15 @@ def fleet_block(form: str) -> Block:
 def test_every_field_is_declared(kind: type[Any]) -> None:
     assert {item.name for item in fields_of(kind)} == {item.name for item in fields(kind)}
     assert all(item.unit for item in fields_of(kind) if item.kind == "number" and "_" in item.name)
+
+
+def test_the_new_mission_names_every_field_and_what_it_means() -> None:
+    text = example_mission_text()
+    known = {item.name for kind in (Mission, Zone, Obstacle, MotionLimits, DiscSensor) for item in fields_of(kind)}
+    known |= {item.name for kind in (Fleet, Robot, SquareSensor, Area) for item in flat_fields_of(kind)}
+    assert [name for name in known - {"planning", "shape", "motion"} if f"{name}:" not in text] == []
+    words = " ".join(text.replace("#", " ").split())
+    assert [item.name for item in flat_fields_of(Fleet) if item.name != "robots" and item.meaning not in words] == []
 
 
 @pytest.mark.parametrize("form", ["mission", "plan"])

@@ -1,81 +1,135 @@
-"""The commented mission that ``rota new`` writes."""
+"""The commented mission that ``rota new`` writes: values of an example beside what each field is declared to mean."""
 
 from __future__ import annotations
 
-_TEXT = """\
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from rota.files.blocks import Block
+from rota.files.mission_schema import mission_block
+from rota.files.mission_text import value_in_a_line
+from rota.files.shape_schema import SHAPE_KEYS
+from rota.model.fields import REQUIRED, Field, any_of
+from rota.model.planner_registry import DEFAULT, planner_names
+
+HEAD = """\
 # A mission for Rota. Plan it with:   rota plan THIS_FILE
-# Lengths are metres, times seconds, speeds metres per second.
-rota: 1                              # version of this format
-name: my-mission
-
-# metres: x east, y north.  wgs84: longitude first, then latitude, in degrees.
-coordinates: metres
-# origin: {lat: 48.1, lon: 11.5}     # places a mission in metres on the globe, for exports that need it
-
-# Where robots may be and must look. One of:
-#   a ring of points, as here (the last point need not repeat the first)
-#   {outer: [[x, y], ...], holes: [[[x, y], ...], ...]}
-#   {geojson: parcel.geojson, feature: NAME}      without feature: all polygons of the file
-#   {map: depot.yaml, inside: [3.0, 4.0]}         a ROS map: the free part that holds this point
-#   {text: ..., cell_m: 0.5}                      a small map, typed as lines of . (free) and # (obstacle)
-# Paths of files start at the folder of this file.
-area: [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
-
-# Neither entered nor seen through. A ring, or {ring | circle | geojson: ...} with blocks: motion (a no-fly zone,
-# which one can look into) or blocks: sight (a hedge). The ground under blocks: motion is to be seen like any other,
-# from outside; asks: nothing beside it leaves it out.
-obstacles:
-  - [[20, 12], [32, 12], [32, 20], [20, 20]]
-  - {circle: {centre: [60, 25], radius_m: 3}, blocks: motion}
-
-# Every point of the area must be seen at least once in any window of this length; null asks nothing.
-period_s: 60
-
-# Parts with a period of their own; where zones overlap the smallest period rules.
-zones:
-  - {name: gate, period_s: 20, ring: [[65, 45], [80, 45], [80, 60], [65, 60]]}
-  - {name: tank, period_s: 30, circle: {centre: [8, 8], radius_m: 6}}
-  # importance: 5 tells a swarm what a square metre of a zone is worth, period_s or not; see below
-  # demand: visit asks that a robot comes into the zone, rather than that each of its points is seen
-  # - {geojson: zones.geojson}       # one zone per feature, with the properties name and period_s
-
-# For planner: swarm only: what a square metre outside zones with an importance is worth. 0: only zones matter.
-# importance: 1                      # or a map: {map: crowds.png, black: 0, white: 10}, spread over the area
-
-fleet:
-  robots: fewest                     # or a number, or a list: [{name: left}, {name: right, speed_m_s: 3}]
-  vehicle: arducopter-tuned          # or arducopter (by default parameters), arducopter-targets, px4, dji,
-                                     # arduplane, agv, turtlebot4, none: presets what is not given. Without one robots
-                                     # change speed at once
-  speed_m_s: 8
-  sensor: {shape: disc, radius_m: 8}     # or {shape: square, side_m: 16}
-  body_radius_m: 0                   # how far robots keep from walls and from each other
-  turn_rate_rad_s: null              # null: turning takes no time
-  turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
-  # acceleration_m_s2: 2.5           # along the way; corner_acceleration_m_s2 round corners, jerk_m_s3 of its changes
-  # corner_m: 2                      # how far corners may be cut; 0: robots stop there
-  # climb_m_s, descend_m_s, top_airspeed_m_s, wind_m_s
-  altitude_m: 15                     # for exports
-  start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
-  # entrances: [[2, 2]]              # robots are only where they can come to from there; without it anywhere, and on
-                                     # a ROS map where they can come to from inside; null: anywhere there, too
-  rally_points: []                   # [[2, 2]]: where copters may land instead of at home, when they return by
-                                     # themselves
-
-# What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
-unseeable: exclude
-holds_within_s: null                 # all robots are in their loops, from when on periods hold, so soon; null: any time
-
-planner: patrol                      # or swarm (robots spread and hold), bounce (a bump sensor and a clock)
-patrol:
-  effort: normal                     # quick | normal | high
-  method: tours                      # or one to compare with: parallel, sequential, decomposition, sun2019
-  # sun2019: {frame: {alpha_m: 10000}}   # stages of that method and their settings, see docs/methods.md
-  period_margin: 0                   # reserve against wind: 0.05 plans with periods shorter by 5 %
-  range_margin_m: 0                  # reserve against poor localisation: plans with sensors that reach so much less far
+# Lengths are metres, times seconds, speeds metres per second. Paths of files start at the folder of this file.
+# What stands behind a # may be said, too. rota schema mission says of all planners what they take.
 """
+COMMENT_FROM, LATEST_COMMENT, LONGEST_LINE = 38, 78, 116
+SHOWN: dict[str, Any] = {
+    "rota": 1,
+    "name": "my-mission",
+    "coordinates": "metres",
+    "area": [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]],
+    "obstacles": [
+        [[20, 12], [32, 12], [32, 20], [20, 20]],
+        {"circle": {"centre": [60, 25], "radius_m": 3}, "blocks": "motion"},
+    ],
+    "zones": [
+        {"name": "gate", "period_s": 20, "ring": [[65, 45], [80, 45], [80, 60], [65, 60]]},
+        {"name": "tank", "period_s": 30, "circle": {"centre": [8, 8], "radius_m": 6}},
+    ],
+    "period_s": 60,
+    "unseeable": "exclude",
+    "fleet": {
+        "robots": "fewest", "vehicle": "arducopter-tuned", "speed_m_s": 8, "sensor": {"shape": "disc", "radius_m": 8},
+        "body_radius_m": 0, "altitude_m": 15,
+    },
+    "planner": DEFAULT,
+    DEFAULT: {"effort": "normal", "method": "tours"},
+}  # fmt: skip
+# of fields that the example leaves out
+INSTEAD: dict[str, Any] = {
+    "outer": [[0, 0], [80, 0], [80, 60]], "holes": [[[9, 9], [12, 9], [12, 12]]],
+    "circle": {"centre": [40, 30], "radius_m": 30}, "wkt": "POLYGON ((0 0, 80 0, 80 60, 0 0))",
+    "geojson": "parcel.geojson", "feature": "north", "map": "depot.yaml", "inside": [3, 4], "unknown": "blocked",
+    "close_gaps_m": 0.15, "text": "..#.", "cell_m": 0.5, "origin": {"lat": 48.1, "lon": 11.5}, "entrances": [[2, 2]],
+    "rally_points": [[2, 2]], "box": [[0, 0], [5, 5]], "points": [[1, 1], [2, 1]], "start": [1, 1], "name": "it",
+    "side_m": 16, "half_angle_deg": 30,
+    "importance": 1, "black": 0, "white": 10, "low_m": [0, 0], "step_m": [40, 30], "values": [[1, 2, 1], [1, 9, 1]],
+    "leaves_s": 900,
+    "moving_obstacles": [{"radius_m": 1, "times_s": [0, 9], "positions_m": [[0, 0], [9, 0]]}],
+}  # fmt: skip
 
 
 def example_mission_text() -> str:
-    """A valid mission file in YAML with a comment on every key."""
-    return _TEXT
+    """A valid mission file in YAML with every field of missions, zones, fleets and robots, and what each means."""
+    return HEAD + "\n".join(_lines(mission_block({}), SHOWN, "")) + "\n"
+
+
+def _lines(block: Block, shown: dict[str, Any], indent: str) -> Iterator[str]:
+    """The lines of a block: fields with their values, those that are left out behind a #."""
+    for item in sorted(block.fields, key=lambda each: each.name != "robots"):
+        inner, value = _inner(item), shown.get(item.name)
+        if item.name not in shown:
+            if item.name not in planner_names():
+                yield from _left_out(item, indent)
+            continue
+        if isinstance(value, dict) and inner is not None and "shape" not in value:
+            yield from ["", *_with_comment(f"{indent}{item.name}:", item.meaning)]
+            yield from _lines(inner, value, indent + "  ")
+            continue
+        if isinstance(value, list) and isinstance(value[0], dict | list) and inner is not None and item.kind == "list":
+            yield from ["", *_with_comment(f"{indent}{item.name}:", item.meaning)]
+            yield from (f"{indent}  - {value_in_a_line(entry)}" for entry in value)
+        else:
+            yield from _with_comment(f"{indent}{item.name}: {value_in_a_line(value)}", _meaning(item))
+        if inner is not None:
+            yield from _choices(item, inner, indent + "  ", value)
+
+
+def _choices(item: Field, inner: Block, indent: str, value: Any) -> Iterator[str]:
+    """What a block may hold beside its value in the example, or in place of that, behind a #."""
+    entries = value if item.kind == "list" else [value]
+    known = set.intersection(*(set(entry if isinstance(entry, dict) else ()) for entry in entries))
+    known |= set(SHAPE_KEYS if item.kind == "list" else ("ring",))
+    if item.kind == "either" and not isinstance(value, dict):
+        yield f"{indent}# {'of each in a list' if item.name == 'robots' else 'or a block of'}:"
+    for each in inner.fields:
+        if each.name not in known and not each.as_fleet:
+            yield from _left_out(each, indent)
+
+
+def _left_out(item: Field, indent: str) -> Iterator[str]:
+    """A field behind a #, with its default or another value."""
+    usual, inner = None if item.default is REQUIRED else item.default, _inner(item)
+    value = INSTEAD.get(item.name, usual) if usual in (None, ()) else usual
+    if inner is not None and inner.settings is not None:
+        yield from _with_comment(f"{indent}# {item.name}:", inner.meaning.replace("``", ""))
+    elif inner is not None and item.kind == "block" and not isinstance(value, dict):
+        yield from _with_comment(f"{indent}# {item.name}:", _meaning(item))
+        yield from _choices(item, inner, indent + "  ", value)
+    else:
+        yield from _with_comment(f"{indent}# {item.name}: {value_in_a_line(value)}", _meaning(item))
+        yield from _choices(item, inner, indent + "  ", value) if inner is not None and item.kind == "either" else ()
+
+
+def _meaning(item: Field) -> str:
+    """What a field means, and what it may be where that is one of several words."""
+    words = [str(option) for option in item.options]
+    named = any_of(words) if len(words) > 1 and any(word not in item.meaning for word in words) else ""
+    return ": ".join(part for part in (named, item.meaning) if part)
+
+
+def _inner(item: Field) -> Block | None:
+    """The block that a field is, may be, or has entries of."""
+    for each in (item, *item.choices, *(one.item for one in (item, *item.choices) if one.item is not None)):
+        for one in (each, *each.choices):
+            if isinstance(one.block, Block):
+                return one.block
+    return None
+
+
+def _with_comment(line: str, comment: str) -> list[str]:
+    """A line with a comment behind it, in lines of its own where it is long."""
+    if not comment:
+        return [line]
+    first = max(COMMENT_FROM, len(line) + 2)
+    if first > LATEST_COMMENT:
+        indent = line[: len(line) - len(line.lstrip(" "))]
+        return [*(f"{indent}# {part}" for part in textwrap.wrap(comment, LONGEST_LINE - len(indent))), line]
+    parts = textwrap.wrap(comment, LONGEST_LINE - first)
+    return [line.ljust(first) + f"# {parts[0]}", *(" " * first + f"# {part}" for part in parts[1:])]

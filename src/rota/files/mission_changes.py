@@ -17,7 +17,7 @@ _UNITS = {
     "_deg": "°", "_s": " s", "_m2": " m²", "_m": " m",
 }  # fmt: skip
 _SHAPE = (
-    "ring", "outer", "holes", "circle", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text",
+    "ring", "outer", "holes", "circle", "wkt", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text",
     "cell_m",
 )  # fmt: skip
 _SINGLE = {"zones": "zone", "obstacles": "obstacle", "moving_obstacles": "moving obstacle"}

@@ -167,11 +167,14 @@ def _importance(frame: Frame, data: dict[str, Any], site: Site, noticed: Noticed
     told = _valid(data, "importance")
     if not isinstance(told, dict):
         return None if told is None else float(told)
+    key = "values" if given(told, "values") else "map"
     scale = (told["black"], told["white"]) if given(told, "black") and given(told, "white") else None
     try:
+        if key == "values":
+            return ImportanceMap(**{item.name: told[item.name] for item in fields_of(ImportanceMap)})
         return read_importance_map(frame.file(told["map"]), site, scale)
     except MissionError as error:
-        noticed.faults.extend(Fault(("importance", "map"), fault) for fault in error.faults)
+        noticed.faults.extend(Fault(("importance", key), fault) for fault in error.faults)
     return None
 
 

@@ -41,6 +41,11 @@ MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check ta
 DRIVING = tuple(item.name for item in flat_fields_of(Abilities))
 PRESETS = {name: each.preset(DRIVING) for name, each in VEHICLES.items()}
 ON_THE_FLOOR = [each.name for each in VEHICLES.values() if not each.flies]
+MAP_VALUES = tuple(item.name for item in fields_of(ImportanceMap))
+MAP_SAYS = {
+    "oneOf": [{"required": ["map"]}, {"required": list(MAP_VALUES)}],
+    "dependentRequired": {"black": ["white"], "white": ["black"]},
+}
 WITH_SPEED: list[Any] = [each.name for each in VEHICLES.values() if each.speed_m_s is not None]
 
 
@@ -61,8 +66,8 @@ class MissionFile:
 class ImportanceFile:
     """A map of what a square metre of ground is worth to a swarm."""
 
-    map: str = field_of(
-        meaning="path of a picture (PNG, PGM), spread over the area with north up, or of a GeoTIFF", count=TEXT
+    map: str | None = field_of(
+        None, "path of a picture (PNG, PGM), spread over the area with north up, or of a GeoTIFF", count=TEXT
     )
     black: float | None = field_of(None, "what a square metre is worth where a picture is black", **IMPORTANCE)
     white: float | None = field_of(None, "and where it is white; a GeoTIFF holds importance without them", **IMPORTANCE)
@@ -124,11 +129,22 @@ def fleet_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 
 def importance_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    """One of black and white without the other."""
-    given = given_of(data, "black", "white")
-    if len(given) == 1:
-        missing = "white" if given == ["black"] else "black"
-        yield (missing,), f"is missing; it goes with {given[0]}"
+    """Neither a map nor values, or both; values without their places, and one of black and white without the other."""
+    if len(given_of(data, "map", "values")) != 1:
+        yield (), "give exactly one of map and values"
+    for together in (("black", "white"), MAP_VALUES):
+        given = given_of(data, *together)
+        for missing in together if given else ():
+            if missing not in given:
+                yield (missing,), f"is missing; it goes with {given[0]}"
+    yield from row_faults(data)
+
+
+def row_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Rows of values of different lengths."""
+    rows = data.get("values")
+    if len({len(row) for row in rows if isinstance(row, list)} if isinstance(rows, list) else ()) > 1:
+        yield ("values",), "rows of different lengths; all must have as many numbers"
 
 
 def zone_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -182,10 +198,15 @@ def _blocks() -> dict[Any, Block | Field]:
 
     forms = {item.name: item for item in fields_of(_Forms)}
     zone = {item.name: item for item in fields_in(Zone, "mission")}
+    values = fields_in(ImportanceMap, "mission")
     needs = ({"required": [*keys]} for keys in (("geojson",), ("name", "period_s"), ("name", "importance")))
     known: dict[Any, Block | Field] = {
         Area: block_of(Area, "mission", rules=area_faults, says=one_of(AREA_SOURCES)),
-        ImportanceMap: block_of(ImportanceFile, "mission", rules=importance_faults),
+        ImportanceMap: replace(
+            block_of(ImportanceFile, "mission", rules=importance_faults, says=MAP_SAYS),
+            fields=fields_in(ImportanceFile, "mission")
+            + tuple(replace(each, needed=False, optional=True, default=None) for each in values),
+        ),
         MovingObstacle: block_of(MovingObstacle, "mission", rules=moving_faults),
         Start: block_of(Start, "mission", rules=start_faults, says=one_of(("box", "points"))),
         Zone: placed(

@@ -1,4 +1,4 @@
-"""The shapes of a mission file, rings, circles and GeoJSON files, to polygons in local metres."""
+"""The shapes of a mission file, rings, circles, well-known text and GeoJSON files, to polygons in local metres."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from shapely import MultiPolygon, Polygon, transform, unary_union
+from shapely import MultiPolygon, Polygon, get_coordinates, transform, unary_union
 
 from rota.errors import MissionError
 from rota.files.blocks import Fault
 from rota.files.geodesy import Projection, require_degrees
 from rota.files.geojson_shapes import Feature, pick_feature, read_features
 from rota.files.local_file import local_file
-from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault
+from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault, shape_of_wkt
 from rota.files.yaml_text import Place
 from rota.model.polygons import polygons_of
 
@@ -75,15 +75,21 @@ def shape_as_written(frame: Frame, place: Place, entry: Any, warnings: list[Faul
     if given(entry, "geojson"):
         features = features_of(frame, place, entry, warnings)
         return Written(polygons_of(unary_union([feature.shape for feature in features])), True, (*place, "geojson"))
+    if given(entry, "wkt"):
+        return _on_ground(frame, (*place, "wkt"), shape_of_wkt(entry["wkt"]))
     place, outer, holes = _rings(place, entry)
     fault = polygon_fault(outer, holes)
     if fault is not None:
         raise Stop(place, fault)
     polygon = Polygon(open_ring(outer), [open_ring(hole) for hole in holes])
+    return _on_ground(frame, place, MultiPolygon([polygon]))
+
+
+def _on_ground(frame: Frame, place: Place, shape: MultiPolygon) -> Written:
+    """A shape in the mission's coordinates; Stop where these are degrees and its corners are not on the globe."""
     if frame.in_degrees:
-        rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
-        _require_on_globe(place, np.vstack(rings))
-    return Written(MultiPolygon([polygon]), frame.in_degrees, place)
+        _require_on_globe(place, get_coordinates(shape))
+    return Written(shape, frame.in_degrees, place)
 
 
 def features_of(frame: Frame, place: Place, entry: dict[str, Any], warnings: list[Fault]) -> tuple[Feature, ...]:

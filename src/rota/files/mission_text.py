@@ -34,7 +34,7 @@ def _entry(head: str, value: Any, indent: str) -> list[str]:
     if isinstance(value, str) and "\n" in value and _MAP.fullmatch(value):
         keep = "" if value.endswith("\n") else "-"
         return [f"{head} |{keep}", *(f"{indent}{line}" for line in value.splitlines())]
-    flow = _flow(value)
+    flow = value_in_a_line(value)
     if len(head) + len(flow) < LONGEST_LINE or not isinstance(value, dict | list):
         return [f"{head} {flow}"]
     if isinstance(value, dict):
@@ -56,7 +56,7 @@ def _points(points: list[Any], indent: str) -> list[str]:
     """A list of points in lines that are not too long."""
     lines, line = [], f"{indent}["
     for k, point in enumerate(points):
-        text = _flow(point) + ("," if k < len(points) - 1 else "]")
+        text = value_in_a_line(point) + ("," if k < len(points) - 1 else "]")
         if len(line) + len(text) > LONGEST_LINE:
             lines.append(line.rstrip())
             line = f"{indent} "
@@ -68,12 +68,12 @@ def _is_point(value: Any) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(isinstance(part, int | float) for part in value)
 
 
-def _flow(value: Any) -> str:
+def value_in_a_line(value: Any) -> str:
     """A value in one line."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_scalar(key)}: {_flow(inner)}" for key, inner in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(_flow(item) for item in value) + "]"
+        return "{" + ", ".join(f"{_scalar(key)}: {value_in_a_line(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(value_in_a_line(item) for item in value) + "]"
     return _scalar(value)
 
 

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Polygon
 from rota.errors import PlanError
 from rota.files.blocks import Block, block_of, field_in, fields_in, made
 from rota.files.json_schema import file_schema
-from rota.files.mission_schema import start_faults
+from rota.files.mission_schema import row_faults, start_faults
 from rota.model.fields import Field, field_of, fields_of
 from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
 from rota.model.importance import ImportanceMap
@@ -109,13 +109,6 @@ def _trajectory_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
             yield (name,), f"{counted[name]} entries; {needed} are needed, one per {one}"
 
 
-def _importance_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    """Rows of different lengths."""
-    rows = data.get("values")
-    if len({len(row) for row in rows if isinstance(row, list)} if isinstance(rows, list) else ()) > 1:
-        yield ("values",), "rows of different lengths; all must have as many numbers"
-
-
 # ---------------------------------------------------------------- the blocks
 
 
@@ -124,7 +117,7 @@ def _known() -> dict[Any, Block | Field]:
     """The blocks and fields of the model's types."""
     known: dict[Any, Block | Field] = {
         MultiPolygon: replace(field_in(fields_of(_Forms)[0], "plan"), reads=_shape),
-        ImportanceMap: block_of(ImportanceMap, "plan", makes=ImportanceMap, rules=_importance_faults),
+        ImportanceMap: block_of(ImportanceMap, "plan", makes=ImportanceMap, rules=row_faults),
         Start: block_of(Start, "plan", makes=_start, rules=start_faults),
         Trajectory: block_of(
             Trajectory, "plan", {Waypoints: block_of(Waypoints, "plan", makes=Waypoints)},

@@ -1,19 +1,23 @@
-"""Rings of points: what is wrong with them, and circles as rings."""
+"""Rings of points and well-known text: what is wrong with them; circles as rings."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Polygon, is_valid_reason
+from shapely import MultiPolygon, Polygon, force_2d, from_wkt, is_valid_reason
+from shapely.errors import ShapelyError
 from shapely.geometry.base import BaseGeometry
+
+from rota.model.limits import COORDINATE
+from rota.model.polygons import polygons_of
 
 CIRCLE_CORNERS = 64
 
-Points = Sequence[tuple[float, float]]
+Points = Sequence[Sequence[float]]
 
 
 def open_ring(points: Points) -> list[tuple[float, float]]:
@@ -54,6 +58,37 @@ def polygon_fault(outer: Points, holes: Sequence[Points]) -> str | None:
         f"the rings cross, touch along a line or lie outside each other near {fault_point(polygon)}; "
         "holes must lie inside the outer ring and apart from each other"
     )
+
+
+def wkt_fault(text: str) -> str | None:
+    """What makes a well-known text unusable as the shape of something, in words, or None."""
+    try:
+        shape = from_wkt(text)
+    except ShapelyError as error:
+        return f"no well-known text: {' '.join(str(error).split())}"
+    if not isinstance(shape, Polygon | MultiPolygon) or shape.is_empty:
+        return f"a POLYGON or a MULTIPOLYGON with corners is needed, not {shape.geom_type.upper()}"
+    low, high = COORDINATE
+    if not all(low <= bound <= high for bound in shape.bounds):
+        return f"reaches beyond {high:g}; coordinates from {low:g} to {high:g} are allowed"
+    if not shape.is_valid or any(part.area <= 1e-12 * part.length**2 for part in polygons_of(shape).geoms):
+        return f"the rings cross, touch along a line or enclose nothing near {fault_point(shape)}; order their points"
+    return None
+
+
+def shape_of_wkt(text: str) -> MultiPolygon:
+    """The polygons of a well-known text without fault, without heights, their corners as they stand."""
+    return polygons_of(force_2d(from_wkt(text)))
+
+
+def wkt_of(polygons: Iterable[Iterable[Points]]) -> str:
+    """Polygons, each an outer ring and holes whose first point is not repeated, as text, all digits kept."""
+
+    def ring_text(ring: Points) -> str:
+        """The corners of a closed ring."""
+        return "(" + ", ".join(f"{x!r} {y!r}" for x, y in (*ring, ring[0])) + ")"
+
+    return "MULTIPOLYGON (" + ", ".join(f"({', '.join(map(ring_text, rings))})" for rings in polygons) + ")"
 
 
 def fault_point(shape: BaseGeometry) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from rota.files.rings import ring_fault
+from rota.files.rings import ring_fault, wkt_fault
 from rota.model.fields import REQUIRED, field_of, fields_of
 from rota.model.limits import COORDINATE, LENGTH
 from rota.model.refusals import Where
@@ -21,7 +21,9 @@ _BELONGS = {
     "close_gaps_m": ["map"], "text": ["cell_m"], "cell_m": ["text"],
 }  # fmt: skip
 _RING_NEEDED = "a ring [[x, y], [x, y], [x, y], ...] or {outer: ring, holes: [ring, ...]} is needed"
-SHAPE_NEEDED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...} is needed"
+SHAPE_NEEDED = (
+    "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {wkt: ...}, {geojson: ...} is needed"
+)
 AREA_NEEDED = f"{SHAPE_NEEDED.removesuffix(' is needed')}, {{map: ...}}, {{text: ...}} is needed"
 
 
@@ -48,14 +50,19 @@ class Holed:
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """One of a ring, an outer ring with holes, a circle, or polygons of a GeoJSON file."""
+    """One of a ring, an outer ring with holes, a circle, well-known text, or polygons of a GeoJSON file."""
 
     ring: Ring | Holed | None = rings_of(needs=_RING_NEEDED)
-    outer: Ring | None = rings_of()
-    holes: tuple[Ring, ...] | None = rings_of()
-    circle: Circle | None = field_of(None)
+    outer: Ring | None = rings_of(meaning="the border of a polygon with holes")
+    holes: tuple[Ring, ...] | None = rings_of(meaning="beside outer: rings within it")
+    circle: Circle | None = field_of(None, "a 64-gon that contains it")
+    wkt: str | None = field_of(
+        None, "well-known text, POLYGON or MULTIPOLYGON, in the mission's coordinates", count=TEXT, check=wkt_fault
+    )
     geojson: str | None = field_of(None, "path of a GeoJSON file (RFC 7946: longitude, latitude)", count=TEXT)
-    feature: str | None = field_of(None, "only the feature whose property name, Name or id equals this", count=TEXT)
+    feature: str | None = field_of(
+        None, "beside geojson: only the feature whose property name, Name or id equals this", count=TEXT
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,18 +70,19 @@ class Area(Shape):
     """Where robots may be and must look."""
 
     map: str | None = field_of(None, "path of a ROS map_server .yaml file", count=TEXT)
-    inside: Point | None = field_of(None, "a point [x, y] in the free part of the map that is meant", **PLACES)
-    unknown: Literal["blocked", "free"] | None = field_of(None, "overrides how unknown cells are read")
+    inside: Point | None = field_of(None, "beside map: a point [x, y] in the free part of it that is meant", **PLACES)
+    unknown: Literal["blocked", "free"] | None = field_of(None, "beside map: overrides how unknown cells are read")
     close_gaps_m: float | None = field_of(
-        None, "gaps and nooks of the map that are narrower count as wall", written=LENGTH
+        None, "beside map: gaps and nooks that are narrower count as wall", written=LENGTH
     )
     text: str | None = field_of(
         None, "lines of . (free) and # (obstacle), the first is north; from (0, 0) on", count=TEXT
     )
-    cell_m: float | None = field_of(None, "side of a text map's character in metres", written=LENGTH)
+    cell_m: float | None = field_of(None, "beside text: side of a character in metres", written=LENGTH)
 
 
-SOURCES = tuple(item.name for item in fields_of(Shape) if item.name not in _BELONGS)
+SHAPE_KEYS = tuple(item.name for item in fields_of(Shape))
+SOURCES = tuple(name for name in SHAPE_KEYS if name not in _BELONGS)
 AREA_SOURCES = (*SOURCES, "map", "text")
 
 

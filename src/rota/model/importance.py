@@ -33,7 +33,9 @@ class ImportanceMap:
         meaning="x, y of the first place of the first row", least=-LARGEST_M, most=LARGEST_M
     )
     step_m: tuple[float, float] = field_of(meaning="x, y between places", above=0, most=LARGEST_M)
-    values: Floats = field_of(form=tuple[tuple[float, ...], ...], **IMPORTANCE)
+    values: Floats = field_of(
+        meaning="rows of importance, the southern one first", form=tuple[tuple[float, ...], ...], **IMPORTANCE
+    )
 
     def __post_init__(self) -> None:
         values = np.array(self.values, np.float64)

@@ -130,7 +130,7 @@ class Zone:
     period_s: float | None = field_of(
         meaning="seconds; null: nothing is asked there", above=0, most=LONGEST_S, written=DURATION
     )
-    demand: Demand = field_of("every_point", "visit: a robot in it is enough")
+    demand: Demand = field_of("every_point", "every_point of it is to be seen; visit: a robot in it is enough")
     shape: MultiPolygon = field_of()
     importance: float | None = field_of(
         None,

@@ -23,19 +23,20 @@ class MotionLimits:
 
     vehicle: str | None = field_of(
         None,
-        "presets speeds, turns and motion that are not given; none: changes speed at once",
+        "presets speeds, turns and motion that are not given; without one, or with none, robots change speed at once",
         count=((1, None),),
         newer=True,
         spared=True,
     )
-    acceleration_m_s2: float | None = _limit("along the way; null: speeds change at once")
+    acceleration_m_s2: float | None = _limit("the greatest along the way; null: speeds change at once")
     corner_acceleration_m_s2: float | None = _limit(
-        "round a corner; null: as along the way", title="acceleration round corners"
+        "the greatest round a corner that is cut; null: as along the way", title="acceleration round corners"
     )
     jerk_m_s3: float | None = _limit("how fast the acceleration changes; null: at once")
     corner_m: float = field_of(
         0.0,
-        "how far corners may be cut; 0 or null: robots stop there",
+        "how far from a corner it may be passed, less than the radius of the widest circle in the free space; 0 or"
+        " null: robots stop there",
         title="corners cut by",
         least=0,
         most=LARGEST_M,
@@ -47,7 +48,8 @@ class MotionLimits:
     climb_m_s: float | None = _limit("upwards", title="climbs at")
     descend_m_s: float | None = _limit("downwards", title="descends at")
     top_airspeed_m_s: float | None = _limit(
-        "through the air, whatever the wind; null: no such limit", title="fastest through the air"
+        "the greatest through the air; speed_m_s is at most that less the wind; null: no such limit",
+        title="fastest through the air",
     )
     wind_m_s: float = field_of(
         0.0, "from wherever it blows; it takes from top_airspeed_m_s", least=0, empty=True, newer=True, spared=True

@@ -41,8 +41,8 @@ class PatrolSettings(PlannerSettings):
     planner: ClassVar[str] = "patrol"
     heeds_entrances: ClassVar[bool] = True
     heeds_motion: ClassVar[bool] = True
-    effort: Effort = setting("normal")
-    method: Method = setting("tours", "tours, or to compare with: a traditional method or Sun 2019's stages")
+    effort: Effort = setting("normal", "how much work planning may be")
+    method: Method = setting("tours", "all but tours are to compare with: traditional methods, and Sun 2019's stages")
     period_margin: float = setting(
         0.0, "reserve: plan with periods shorter by this share", least=0, below=1, newer=True
     )
@@ -50,7 +50,7 @@ class PatrolSettings(PlannerSettings):
         0.0, "reserve: plan with sensors that reach so much less far", least=0, written=LENGTH_OR_ZERO, newer=True
     )
     prefer: Preference = setting(
-        "shortest", "of plans with as few robots: the shortest loops or those that turn least", newer=True
+        "shortest", "of plans with as few robots: the shortest loops, or those with the fewest_turns", newer=True
     )
     method_settings: Settings | None = None
 

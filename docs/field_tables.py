@@ -1,0 +1,67 @@
+"""What docs/usage.md says of fields, made of their declarations: ``python -m docs.field_tables`` writes it anew."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rota.files.example_mission import example_mission_text
+from rota.files.mission_schema import DRIVING
+from rota.model.fields import any_of, fields_of
+from rota.model.motion_limits import MotionLimits
+from rota.vehicles.facts import Fact, Vehicle
+from rota.vehicles.presets import VEHICLES
+
+PAGE = Path(__file__).with_name("usage.md")
+PART = re.compile(r"(<!-- (\w+): python -m docs\.field_tables -->\n).*?(<!-- end -->)", re.S)
+
+
+def with_fields(page: str) -> str:
+    """The page's text with its parts about fields as they are declared."""
+    parts = {"mission": mission_part, "motion": motion_part, "vehicles": vehicles_part}
+    return PART.sub(lambda found: found[1] + "\n" + parts[found[2]]() + "\n" + found[3], page)
+
+
+def mission_part() -> str:
+    """What `rota new` writes."""
+    return f"```yaml\n{example_mission_text()}```\n"
+
+
+def motion_part() -> str:
+    """A row for each limit of motion."""
+    vehicles = any_of(f"`{name}`" for name in VEHICLES)
+    rows = [
+        f"| `{item.name}` | {item.unit} | {vehicles if item.name == 'vehicle' else ''}{'; ' * (item.name == 'vehicle')}"
+        f"{item.meaning} |"
+        for item in fields_of(MotionLimits)
+    ]
+    return "\n".join(["| key | unit | meaning |", "|---|---|---|", *rows, ""])
+
+
+def vehicles_part() -> str:
+    """A row for each vehicle that presets something, with where its values are from."""
+    told = [name for name in DRIVING if any(name in each.preset(DRIVING) for each in VEHICLES.values())]
+    head = ["vehicle", *(f"`{name}`" for name in told), "at most", "from"]
+    rows = [_vehicle_row(each, told) for each in VEHICLES.values() if each.preset(DRIVING)]
+    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *rows, ""])
+
+
+def _vehicle_row(vehicle: Vehicle, told: list[str]) -> str:
+    """What a vehicle presets, its greatest speed, and the sources of these values."""
+    preset, top = vehicle.preset(told), vehicle.top_speed_m_s
+    sources: dict[str, list[str]] = {}
+    for name in (*preset, "top_speed_m_s"):
+        if isinstance(fact := getattr(vehicle, name), Fact) and fact.parameter not in sources.get(fact.source, []):
+            sources.setdefault(fact.source, []).append(fact.parameter)
+    cells = [f"{preset[name]:g}" if name in preset else "" for name in told] + [f"{top.value:g} m/s" if top else ""]
+    origins = "; ".join(f"{source}: {', '.join(names)}" for source, names in sources.items())
+    return f"| `{vehicle.name}` | {' | '.join(cells)} | {origins} |"
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.write_text(with_fields(PAGE.read_text()))
+
+
+if __name__ == "__main__":
+    main()
