@@ -249,6 +249,39 @@ def test_vehicles_gather_in_the_air_start_together_are_kept_in_phase_and_land() 
     assert told[-2:] == ["landing: a", "landing: b"]
 
 
+def test_a_copter_goes_on_after_a_pause_with_the_waypoint_that_it_was_on_its_way_to() -> None:
+    plan = plan_of(three().trajectories[0])
+
+    async def fly(link: Any) -> list[int]:
+        routes, seen = routes_of(plan), []
+        await send_all(link, routes)
+        await first_reports(link, link.robots)
+        later = [item.seq for item in vehicles[0].items[MISSION] if item.command == WAYPOINT][3]
+        await Flights(link, plan.mission, lambda _: None).gather(routes)
+        await start_all(link, routes)
+        async with asyncio.timeout(20):
+            while link.latest("a").mode != "running":
+                await asyncio.sleep(0.05)
+            vehicles[0].flight.number = later  # it has come so far
+            await asyncio.sleep(0.5)  # until it has said so
+        await link.pause("a")
+        vehicles[0].flight.number = 3  # as where MIS_RESTART lets it begin anew
+        await link.start("a")
+        seen += [later, vehicles[0].flight.number]
+        # who leaves the mission begins it anew
+        await link.pause("a")
+        await link.go("a", [(-10.0, 0.0, 25.0)])
+        await link.start("a")
+        return [*seen, vehicles[0].flight.number]
+
+    with flying(Script(firmware=ARDUPILOT, flies=True, position=(481000000, 115000000, 0))) as vehicles:
+        later, goes_on, anew = with_link(plan, vehicles, fly)
+        assert goes_on == later
+        assert anew < later
+        speeds = {item.seq: item.param2 for item in vehicles[0].items[MISSION] if item.command == SPEED}
+        assert vehicles[0].speeds_m_s[2] == pytest.approx(speeds[max(seq for seq in speeds if seq < later)])
+
+
 def test_a_vehicle_that_does_not_start_brings_the_others_home() -> None:
     plan = plan_of(*three().trajectories[:2])
 

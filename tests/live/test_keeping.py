@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Iterator
 
 import pytest
@@ -14,10 +15,10 @@ from rota.links.link import Link, Order
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
 from rota.live.driving import Driving
-from rota.live.keeping import Keeping, Slack
+from rota.live.keeping import Keeping, Slack, looked_back_s
 from rota.live.notices import Notice, NoticeKind, RobotState, Standing
 from rota.live.watch import Watch
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
 
 
 def state(name: str, lag_s: float, standing: Standing = "ok") -> RobotState:
@@ -58,6 +59,32 @@ def test_nobody_waits_for_one_that_is_slower_than_half_or_held_up() -> None:
     orders, notices = keeping.look(101.0, (state("a", 80.0, "held up"), state("b", 0.0)))
     assert [order.robot for order in orders] == ["b"]
     assert notices == []
+
+
+def test_one_that_is_late_and_early_at_the_same_places_of_every_round_slows_nobody_down() -> None:
+    """On a round of 43 s it is up to 4 s late: over 40 s that looked like a pace of its own."""
+    keeping, round_s = Keeping(plan_of(round_of("a", 43.0)), {}), 43.0
+    rates = []
+    for now_s in range(600):
+        lag_s = 4 * math.sin(2 * math.pi * now_s / round_s)
+        keeping.look(float(now_s), (state("a", lag_s),))
+        rates.append(keeping.rate)
+    assert min(rates[86:]) == pytest.approx(1.0)  # from its second round on; 0.992 over 40 s
+    assert looked_back_s(43.0) == 43.0
+    assert looked_back_s(15.0) == 45.0
+    assert looked_back_s(0.0) == 40.0  # it stays
+    assert looked_back_s(621.0) == 120.0
+
+
+def round_of(name: str, round_s: float) -> Trajectory:
+    return Trajectory(robot=name, times_s=[0.0, round_s / 2, round_s], positions_m=[[0, 0], [20, 0], [0, 0]])
+
+
+def test_what_is_expected_of_a_robot_where_it_is_does_not_count_as_late() -> None:
+    keeping = Keeping(two_robots(), {})
+    (a, b), _ = keeping.look(10.0, (state("a", 3.0), state("b", 0.5)), expected_s={"a": 2.75})
+    assert (a.late_s, b.late_s) == (0.25, 0.5)
+    assert keeping.late_s(state("a", 3.0)) == 0.25
 
 
 def test_orders_say_what_is_late_against_the_clock_of_all() -> None:

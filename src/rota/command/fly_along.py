@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rota.live.watch import Watch
     from rota.model.plan import Plan
 
-ROOM = 0.03  # by which robots can be faster than the clock of all
+ROOM = 0.03  # by which robots that are driven along can be faster than the clock of all
 ON_MISSIONS = 0.98  # of the plan's pace, at which ArduCopter's simulator was kept in phase on missions
 NEWS_EVERY_S = 10.0
 RELEASED = "robots get nothing more from here on, and wait at the last stop that they have, or where they are"
@@ -61,8 +61,9 @@ class Along(AbstractContextManager["Along"]):
             slowest = min(self._link.robots, key=self._link.most_pace)
             lapses = self._keeping.lapses_at(self._keeping.rate)
             then = f"; {', '.join(lapses)}" if lapses else ""
-            can = f"{slowest} can be driven at {self._link.most_pace(slowest):.2f} of its pace"
-            told.append(f"{can}; all go at {self._keeping.rate:.2f} of theirs, to leave it room{then}")
+            can = f"{slowest} can be driven at {self._link.most_pace(slowest):.3f} of its pace"
+            room = ", to leave it room" if self._link.drives_along else ""
+            told.append(f"{can}; all go at {self._keeping.rate:.3f} of theirs{room}{then}")
         return told
 
     async def drive(self, seconds: float | None) -> None:
@@ -109,8 +110,9 @@ def _tell(notice: Notice) -> None:
 
 
 def _most_rate(link: Link) -> float:
-    """The pace of the clock of all that leaves each robot room to make something up."""
-    return min((link.most_pace(robot) for robot in link.robots), default=1.0) / (1 + ROOM)
+    """The pace of the clock of all; it leaves robots that are driven along room to make something up."""
+    room = ROOM if link.drives_along else 0.0
+    return min((link.most_pace(robot) for robot in link.robots), default=1.0) / (1 + room)
 
 
 def _keeping(plan: Plan, most_rate: float) -> Keeping:

@@ -149,10 +149,10 @@ class Link(Protocol):
         """The share of the plan's pace that it can be driven at by all that is known before; inf: nothing is known."""
 
     def room_s(self, robot: str) -> float:
-        """How late a robot may be that makes it up by itself within a round; 0 where that is not known.
+        """How late a robot may be that makes it up by itself within a round; 0 where that is not known."""
 
-        Below 0: it is to be early where it is, and loses that by itself.
-        """
+    def expected_s(self, robot: str, plan_s: float) -> float:
+        """How late it is where the plan has it at this time, while all goes well; 0 where nothing is known."""
 
     async def pause(self, robot: str) -> None:
         """Let the robot stop where it is; ``start`` goes on from there."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rota.files.geodesy import projection_of
-from rota.links.expected_lags import expected_lags_s
+from rota.links.expected_lags import expected_lags
 from rota.links.extras import required
 from rota.links.mavlink_link import MavlinkLink, MavlinkSettings
 from rota.links.mavlink_target_link import MavlinkTargetLink
@@ -20,7 +20,5 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     curves = any(each.accelerations_m_s2 is not None and each.waypoints is None for each in plan)
     if settings.way == "targets" or (settings.way == "auto" and curves):
         return MavlinkTargetLink(plan, projection, settings)
-    robots = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot) for trajectory in plan}
-    top_m_s = {name: robot.speed_m_s for name, robot in robots.items()}
-    lags_s = {way.robot: expected_lags_s(way, robots[way.robot], plan.mission.fleet.altitude_m) for way in plan}
-    return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings, lags_s)
+    top_m_s = {way.robot: plan.mission.fleet.robot(way.robot).speed_m_s for way in plan}
+    return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings, expected_lags(plan))

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import Autopilot
+from rota.links.expected_lags import ExpectedLags
 from rota.links.inbox import Bounds
 from rota.links.link import Mode, Order
 from rota.links.mavlink_address import addresses
@@ -34,10 +35,9 @@ from rota.links.mavlink_items import (
     wire_items,
     wire_rally,
 )
-from rota.links.mavlink_pace import MissionPace
-from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
+from rota.links.mavlink_pace import CORNER_S, MissionPace
+from rota.links.mavlink_vehicle import MavlinkVehicle, into, silence_mavsdk, worded
 from rota.links.reporting import RealTimeLink
-from rota.model.plan import Floats
 from rota.model.planner_settings import Settings, setting
 from rota.routes.route import Place3, Route
 
@@ -90,14 +90,14 @@ class MavlinkLink(RealTimeLink):
         bounds_m: Bounds,
         projection: Projection,
         settings: MavlinkSettings,
-        lags_s: Mapping[str, Floats | None],
+        lags: Mapping[str, ExpectedLags],
     ) -> None:
         super().__init__(tuple(top_m_s), bounds_m, settings.start_time, "mavlink.start_time")
         self._addresses = dict(zip(top_m_s, addresses(settings.address, len(top_m_s)), strict=True))
         self._top_m_s = top_m_s
         self._paces: dict[str, MissionPace] = {}
         self._rallies: dict[str, int] = {}
-        self._lags_s = lags_s
+        self._lags = lags
         self._projection, self._settings = projection, settings
         self._vehicles: dict[str, MavlinkVehicle] = {}
         self._instances: list[Any] = []
@@ -112,7 +112,7 @@ class MavlinkLink(RealTimeLink):
     async def _connect(self, robot: str) -> None:
         from mavsdk import ComponentType, Configuration, Mavsdk
 
-        _silence_mavsdk()
+        silence_mavsdk()
         address, wait_s = self._addresses[robot], self._settings.wait_s
         mavsdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
         self._instances.append(mavsdk)
@@ -211,8 +211,8 @@ class MavlinkLink(RealTimeLink):
             await vehicle.ask("the mission", raw.upload_mission_async, as_sent(wired, MISSION))
         else:
             await vehicle.ask("clearing the mission", raw.clear_mission_async)
-        lags_s = self._lags_s.get(route.robot)
-        self._paces[route.robot] = MissionPace(vehicle, wired, route.once[0], self._top_m_s[route.robot], lags_s)
+        late_s = self._lags[route.robot].starts_s if route.robot in self._lags else 0.0
+        self._paces[route.robot] = MissionPace(vehicle, wired, route.once[0], self._top_m_s[route.robot], late_s)
         geofence = vehicle.plugin("geofence", "Geofence")
         if shapes:
             await vehicle.ask("the fence", geofence.upload_geofence_async, fence_as_sent(shapes))
@@ -272,6 +272,8 @@ class MavlinkLink(RealTimeLink):
 
     async def go(self, robot: str, places_m: Sequence[Place3]) -> None:
         """By one target after the other."""
+        if robot in self._paces:
+            self._paces[robot].gives_up()
         await self._guided(robot).go(places_m)
 
     async def land(self, robot: str) -> None:
@@ -286,65 +288,52 @@ class MavlinkLink(RealTimeLink):
     async def start(self, robot: str) -> None:
         """Let it fly its mission; from the air without the take-off, from the ground it is armed before."""
         vehicle = self._vehicle(robot)
-        if vehicle.in_air and vehicle.autopilot == "ardupilot":
-            await self._start_in_air(vehicle)
+        if vehicle.in_air and vehicle.autopilot == "ardupilot" and robot in self._paces:
+            await self._paces[robot].start_in_air(self.time_s)
             return
         raw, action = vehicle.plugin("mission_raw", "MissionRaw"), vehicle.plugin("action", "Action")
         await vehicle.ask("arming", action.arm_async)
         await vehicle.ask("starting the mission", raw.start_mission_async)
-        if vehicle.autopilot == "ardupilot":
+        if vehicle.autopilot == "ardupilot" and not vehicle.in_air:
             # on the ground its mode AUTO waits for somebody to raise the throttle (Copter::update_auto_armed), or for
             # this (MAV_CMD_MISSION_START in ArduCopter/GCS_Mavlink.cpp sets auto_armed); MAVSDK only sets the mode
             # (https://github.com/mavlink/MAVSDK-Java/issues/232)
             await vehicle.command("starting the mission", MISSION_START)
 
-    async def _start_in_air(self, vehicle: MavlinkVehicle) -> None:
-        """ArduCopter takes off again wherever it is; so it begins with its first waypoint, and is told the speed.
-
-        Where its route begins with a wait it waits here: on its mission it would wait for whole seconds, and only once
-        it has come to where it is.
-        """
-        pace = self._paces.get(vehicle.robot)
-        if pace is not None:
-            await asyncio.sleep(pace.waits_s - self.time_s)
-        raw = vehicle.plugin("mission_raw", "MissionRaw")
-        if pace is not None and pace.first is not None:
-            await vehicle.ask("its first waypoint", raw.set_current_mission_item_async, pace.first)
-        await vehicle.ask("starting the mission", raw.start_mission_async)
-        if pace is not None:
-            await pace.begin()
-
     async def keep(self, order: Order) -> None:
         """By the speed of the leg that it flies, or a pause; nothing for a vehicle whose mission is not from here."""
-        if order.robot in self._paces:
-            await self._paces[order.robot].keep(order.late_s, order.rate)
+        if order.robot not in self._paces:
+            return
+        lags, least_m_s = self._lags.get(order.robot), math.inf
+        if lags is not None:
+            plan_s = self.time_s - order.late_s - order.behind_s
+            plan_s -= lags.at(plan_s)
+            least_m_s = lags.least_m_s(plan_s, plan_s + CORNER_S)
+        await self._paces[order.robot].keep(order.late_s, order.rate, least_m_s)
 
-    def room_s(self, robot: str) -> float:
-        """What it is behind on the leg that it flies, by its firmware."""
-        return self._paces[robot].lags_s()[1] if robot in self._paces else 0.0
+    def most_pace(self, robot: str) -> float:
+        """By its firmware, on the whole of its round."""
+        return self._lags[robot].pace if robot in self._lags else math.inf
+
+    def expected_s(self, robot: str, plan_s: float) -> float:
+        """What it is behind there by its firmware."""
+        return self._lags[robot].at(plan_s) if robot in self._lags else 0.0
 
     async def pause(self, robot: str) -> None:
         """Hold."""
         vehicle = self._vehicle(robot)
+        if robot in self._paces:
+            self._paces[robot].stops()
         await vehicle.ask("pausing", vehicle.plugin("mission_raw", "MissionRaw").pause_mission_async)
 
     async def come_home(self, robot: str) -> None:
         """Return to launch."""
         vehicle = self._vehicle(robot)
+        if robot in self._paces:
+            self._paces[robot].gives_up()
         await vehicle.ask("returning", vehicle.plugin("action", "Action").return_to_launch_async)
 
     def _vehicle(self, robot: str) -> MavlinkVehicle:
         if robot not in self._vehicles:
             raise LinkError(f"robot {robot}: no vehicle has been heard for it")
         return self._vehicles[robot]
-
-
-@functools.cache
-def _silence_mavsdk() -> None:
-    """Keep MAVSDK from printing, since its errors are told by their callers.
-
-    Once in a process: a second subscription frees the callback that threads of other connections may be in.
-    """
-    from mavsdk.logging import log_subscribe
-
-    log_subscribe(lambda *_: True)

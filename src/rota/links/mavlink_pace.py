@@ -7,20 +7,22 @@ where it stopped (mode AUTO, ``ModeAuto::pause``). PX4 takes the speed; it is ne
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Sequence
 
 from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, LOITER_UNLIMITED, WAYPOINT
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_vehicle import MavlinkVehicle
-from rota.model.plan import Floats
 from rota.routes.route import RouteStop
 
 DO_PAUSE_CONTINUE = 193  # MAV_CMD
 CATCH_UP_S = 10.0  # in which it is to make up what it is late by
 LEAST_SHARE = 0.5  # of a leg's speed: who has to lose more is paused
 IN_TIME_S = 0.3  # by which a vehicle may be late until it is told to hurry
-EARLY_S = 1.0  # from which on a vehicle is paused
+EARLY_S = 0.6  # from which on a vehicle is paused; that costs it some tenths more, since it brakes and speeds up
 LONGEST_PAUSE_S = 20.0
+SLOW_SHARE = 0.3  # of a leg's speed: a copter that is paused while it is slower, at a corner, loses a second more
+CORNER_S = 2.0  # that a pause may take effect in
 SAME = 0.02  # share by which a speed has to differ to be told
 
 
@@ -42,7 +44,8 @@ def leg_speeds(items: Sequence[WireItem]) -> dict[int, float]:
 
 class MissionPace:
     """One vehicle on its mission. begins: its first stop. top_m_s: what its robot may drive.
-    lags_s: as ``expected_lags_s`` tells; None: nothing is known.
+
+    late_s: how long after its plan it is to start.
 
     first: the number of the first item that is flown once it has gathered, and waited; None where there is none.
     """
@@ -53,34 +56,62 @@ class MissionPace:
         items: Sequence[WireItem],
         begins: RouteStop,
         top_m_s: float,
-        lags_s: Floats | None = None,
+        late_s: float = 0.0,
     ) -> None:
         self._vehicle, self._top_m_s = vehicle, top_m_s
         self._speeds = leg_speeds(items)
         self._numbers = sorted(self._speeds)
-        self._lags_s = lags_s
         # item 0 is home on ArduPilot, which alone is told where to begin
         flown = [item.seq for item in items[1:] if item.command in (WAYPOINT, LOITER_UNLIMITED)]
-        self.waits_s = begins.hold_s if begins.speed_m_s is None and len(flown) > 1 else 0.0
-        self.first = flown[self.waits_s > 0] if flown else None
+        hold_s = begins.hold_s if begins.speed_m_s is None and len(flown) > 1 else 0.0
+        self.first = flown[hold_s > 0] if flown else None
+        self.waits_s = hold_s + late_s
         self._first_m_s = next((item.params[1] for item in items if item.command == DO_CHANGE_SPEED), 0.0)
         self._told: tuple[int, float] | None = None
+        self._goes_on_to: int | None = None
 
-    async def begin(self) -> None:
-        """Tell it the speed of its first leg, whose own item was left out."""
-        if self.first is not None and self._first_m_s > 0:
-            self._told = (self.first, self._first_m_s)
-            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, self._first_m_s, -1])
+    async def start_in_air(self, time_s: float) -> None:
+        """Let an ArduCopter begin with its first waypoint: it takes off again wherever it is.
 
-    async def keep(self, late_s: float, rate: float) -> None:
-        """Let it gain ``late_s``, or lose as much; LinkError where it does not answer."""
+        Where its route begins with a wait it waits here: on its mission it would wait for whole seconds, and only once
+        it has come to where it is. time_s: since the plan's start. After ``stops`` it goes on with the waypoint that it
+        was on its way to. Either way it is told the speed of its leg, whose own item is left out.
+        """
+        number, speed_m_s = self._goes_on_to, self._first_m_s
+        if number is None:
+            number = self.first
+            await asyncio.sleep(self.waits_s - time_s)
+        else:
+            speed_m_s = self._speeds[number]
+        raw = self._vehicle.plugin("mission_raw", "MissionRaw")
+        if number is not None:
+            await self._vehicle.ask("its waypoint", raw.set_current_mission_item_async, number)
+        await self._vehicle.ask("starting the mission", raw.start_mission_async)
+        self._goes_on_to = None
+        if number is not None and speed_m_s > 0:
+            self._told = (number, speed_m_s)
+            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, speed_m_s, -1])
+
+    def stops(self) -> None:
+        """It is about to be told to stop; where it goes on is kept."""
+        if self._vehicle.mode == "running":
+            self._goes_on_to = self._waypoint()
+
+    def gives_up(self) -> None:
+        """It leaves its mission: whoever starts it again begins anew."""
+        self._goes_on_to = None
+
+    async def keep(self, late_s: float, rate: float, least_m_s: float = math.inf) -> None:
+        """Let it gain ``late_s``, or lose as much; LinkError where it does not answer.
+
+        least_m_s: how slow it becomes within the next ``CORNER_S`` by itself.
+        """
         number = self._waypoint()
         if number is None or self._vehicle.mode != "running":
             return
-        least_s, most_s = self.lags_s()
-        late_s -= min(max(late_s, least_s), most_s)
         if late_s < -EARLY_S and self._vehicle.autopilot == "ardupilot":
-            await self._pause(min(-late_s, LONGEST_PAUSE_S))
+            if least_m_s >= SLOW_SHARE * self._speeds[number]:
+                await self._pause(min(-late_s, LONGEST_PAUSE_S))
             return
         planned = self._speeds[number]
         share = max(LEAST_SHARE, rate * (1 + late_s / CATCH_UP_S))
@@ -94,15 +125,6 @@ class MissionPace:
             return
         await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, speed, -1])
         self._told = (number, speed)
-
-    def lags_s(self) -> tuple[float, float]:
-        """The least and the most by which it is behind the plan on the leg that it flies while all goes well."""
-        number = self._waypoint()
-        if self._lags_s is None or number is None:
-            return 0.0, 0.0
-        leg = self._numbers.index(number) % (len(self._lags_s) - 1)
-        ends_s = self._lags_s[leg : leg + 2]
-        return float(ends_s.min()), float(ends_s.max())
 
     def _waypoint(self) -> int | None:
         """The waypoint that it flies to: its item, or the first one after it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import json
 import math
 import time
@@ -121,6 +122,17 @@ class MavlinkVehicle:
         """Ask it to say so often which mission item it flies to; those that cannot choose say it anyway."""
         with suppress(LinkError):
             await self.command("its progress", SET_MESSAGE_INTERVAL, [MISSION_CURRENT, 1e6 / rate_hz])
+
+
+@functools.cache
+def silence_mavsdk() -> None:
+    """Keep MAVSDK from printing, since its errors are told by their callers.
+
+    Once in a process: a second subscription frees the callback that threads of other connections may be in.
+    """
+    from mavsdk.logging import log_subscribe
+
+    log_subscribe(lambda *_: True)
 
 
 def into(future: asyncio.Future[Any]) -> Callable[..., None]:

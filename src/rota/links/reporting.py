@@ -51,6 +51,10 @@ class ReportingLink:
         """Nothing is known of that."""
         return 0.0
 
+    def expected_s(self, robot: str, plan_s: float) -> float:
+        """Nothing is known of that."""
+        return 0.0
+
     async def by_itself(self, robot: str) -> tuple[str, ...]:
         """Nothing is known of that."""
         return ()

@@ -57,8 +57,10 @@ class Driving:
         if now_s < self._next_s:
             return
         self._next_s = now_s + KEPT_EVERY_S
-        room_s = {robot: self._link.room_s(robot) for robot in self._link.robots}
-        orders, told = self._keeping.look(now_s, self._watch.state().robots, room_s)
+        robots, link = self._watch.state().robots, self._link
+        room_s = {robot.name: link.room_s(robot.name) for robot in robots}
+        expected_s = {robot.name: link.expected_s(robot.name, now_s - robot.lag_s) for robot in robots}
+        orders, told = self._keeping.look(now_s, robots, room_s, expected_s)
         for notice in told:
             self._tell(notice)
         if self._link.keeps_phase:

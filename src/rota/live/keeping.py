@@ -18,11 +18,12 @@ from rota.model.plan import Plan
 
 LATE_S = 1.0  # by which a robot is late before all wait for it
 EARLY_SHARE = 0.5  # of that, from which on they begin to
-LOOKED_BACK_S = 40.0  # over which a robot's pace is measured, and half of that at least
+LOOKED_BACK_S = 40.0  # over which a robot's pace is measured at least, and half of that at the beginning
+LONGEST_LOOK_S = 120.0  # a robot that breaks down on a longer round is to be waited for in time
 LEAST_RATE = 0.5  # of the plan's clock: nobody waits for a robot that is slower
 TOLD_AFTER_S = 10.0  # that a robot is so late without a break
 NOTED = 0.01  # by which the pace has to be below the plan's to be told
-NO_ROOM: Mapping[str, float] = MappingProxyType({})
+NOTHING: Mapping[str, float] = MappingProxyType({})
 DRIVING: tuple[Mode | None, ...] = (None, "running")
 
 
@@ -43,23 +44,29 @@ class Keeping:
     def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0) -> None:
         self._most_rate = min(most_rate, 1.0)
         self._slack = slack
-        self._tracks = {way.robot: _Track(min(LOOKED_BACK_S, way.loop_duration_s or LOOKED_BACK_S)) for way in plan}
+        self._tracks = {way.robot: _Track(looked_back_s(way.loop_duration_s)) for way in plan}
+        self._expected_s: Mapping[str, float] = NOTHING
         self._now_s: float | None = None
         self.rate = self._most_rate
         self.behind_s = 0.0
 
     def late_s(self, robot: RobotState) -> float:
-        """How many seconds a robot is behind the clock of all; below 0: ahead of it."""
-        return robot.lag_s - self.behind_s
+        """How many seconds a robot is behind the clock of all, less what is expected where it is; below 0: ahead."""
+        return robot.lag_s - self.behind_s - self._expected_s.get(robot.name, 0.0)
 
     def look(
-        self, now_s: float, robots: tuple[RobotState, ...], room_s: Mapping[str, float] = NO_ROOM
+        self,
+        now_s: float,
+        robots: tuple[RobotState, ...],
+        room_s: Mapping[str, float] = NOTHING,
+        expected_s: Mapping[str, float] = NOTHING,
     ) -> tuple[list[Order], list[Notice]]:
         """What each robot that drives its route is to make up now, and what there is to tell.
 
-        room_s: what robots make up by themselves soon: nobody waits for that. behind_s: how far the clock of all is
-        behind the plan's by then.
+        room_s: what robots make up by themselves soon: nobody waits for that. expected_s: how late each is where it is
+        while all goes well. behind_s: how far the clock of all is behind the plan's by then.
         """
+        self._expected_s = expected_s
         if self._now_s is not None:
             self.behind_s += (1 - self.rate) * (now_s - self._now_s)
         self._now_s = now_s
@@ -75,7 +82,7 @@ class Keeping:
                 track.forget()
                 continue
             late_s, own_s = self.late_s(robot), room_s.get(robot.name, 0.0)
-            track.note(now_s, robot.lag_s - own_s)
+            track.note(now_s, late_s + self.behind_s - own_s)
             orders.append((robot.name, late_s))
             pace, late_s = track.pace(), late_s - own_s
             if pace is not None and pace >= LEAST_RATE * self._most_rate:
@@ -123,8 +130,18 @@ class Keeping:
         return max((pair for pair in pairs if pair[0] <= 1), default=None)
 
 
+def looked_back_s(round_s: float) -> float:
+    """Over how many seconds a robot's pace is measured: of its rounds so many as take 40 s, of long ones 120 s.
+
+    Whole rounds, since on each a robot is late at the same places and early at others: only where it comes past the
+    same place again does its lag tell how much slower it is.
+    """
+    rounds_s = round_s * math.ceil(LOOKED_BACK_S / round_s) if round_s > 0 else LOOKED_BACK_S
+    return min(rounds_s, LONGEST_LOOK_S)
+
+
 class _Track:
-    """How late one robot was, over some time."""
+    """How late one robot was, over ``most_s`` seconds."""
 
     def __init__(self, most_s: float) -> None:
         self._most_s = most_s
@@ -144,7 +161,7 @@ class _Track:
     def pace(self) -> float | None:
         """The share of its plan's pace at which it got on; None until it is known."""
         (from_s, lag_then_s), (to_s, lag_s) = self._noted[0], self._noted[-1]
-        if to_s - from_s < self._most_s / 2:
+        if to_s - from_s < LOOKED_BACK_S / 2:
             return None
         return 1 - (lag_s - lag_then_s) / (to_s - from_s)
 
