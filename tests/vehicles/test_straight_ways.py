@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.vehicles.small_plans import square, winding
@@ -26,6 +28,22 @@ def test_points_on_straight_ways_go_and_corners_and_waits_stay(off_m: float, wit
     steps_s, steps_m = np.diff(after.times_s), np.linalg.norm(np.diff(after.positions_m, axis=0), axis=1)
     assert steps_s[steps_m == 0] == pytest.approx([7.5])
     assert (steps_m / steps_s).max() <= 8 * (1 + 1e-9)
+
+
+def test_robots_whose_legs_have_accelerations_keep_their_points() -> None:
+    plan = winding(0.3)
+    (way,) = plan.trajectories
+    driven = Trajectory(
+        robot="robot-2",
+        times_s=[0.0, 4.0, 8.0, 12.0, 16.0],
+        positions_m=[[0, 0], [8, 0], [16, 0], [8, 0], [0, 0]],
+        accelerations_m_s2=[1.0, -1.0, 1.0, -1.0],
+    )
+    straight, kept = straightened(replace(plan, trajectories=(way, driven)), 0.5)
+    assert len(straight.times_s) < len(way.times_s)
+    assert kept is driven
+    with pytest.raises(RotaError, match="of its 5 points rota export writes 3 stops, the corners and waits alone"):
+        straightened(replace(plan, trajectories=(driven,)), 0.5)
 
 
 def test_lengths_that_are_none_are_refused() -> None:
