@@ -175,6 +175,7 @@ def test_slopes_are_differences_of_rounds(limits: dict[str, float]) -> None:
     turns = np.linspace(0, 2 * math.pi, 9)[:-1]
     ring = np.column_stack([40 * np.cos(turns), 30 * np.sin(turns)]) + rng.uniform(-4, 4, (8, 2))
     ring = np.insert(ring, 3, ring[2:4].mean(axis=0), axis=0)  # one vertex on a straight way
+    assert one.slopes is not None
     growth, bends = one.slopes(ring)
     for v, axis in np.ndindex(ring.shape):
         move = np.zeros_like(ring)

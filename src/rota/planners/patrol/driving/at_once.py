@@ -23,7 +23,7 @@ ARC_SHARE = 1 - 2 / math.pi
 class AtOnce:
     """What a robot without mass can do; see ``Driving``."""
 
-    has_mass = has_slopes = False
+    has_mass, slopes = False, None
     off_m = 0.0
     blind_m = 0.0
 
@@ -48,10 +48,6 @@ class AtOnce:
         """The polyline itself; see ``Driving``."""
         legs = np.arange(len(vertices_m))
         return np.vstack([vertices_m, vertices_m[:1]]), np.column_stack([legs, legs + 1]).astype(np.float64)
-
-    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
-        """None are known; see ``Driving``."""
-        raise NotImplementedError
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""

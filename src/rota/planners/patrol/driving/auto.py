@@ -29,7 +29,7 @@ BLIND = math.sqrt(2)  # see ``Rounded``
 class Auto:
     """What such a copter can do; see ``Driving``."""
 
-    has_mass, has_slopes = True, False
+    has_mass, slopes = True, None
 
     def __init__(self, robot: Robot, model: ArduPilotAuto) -> None:
         self.robot, self.model = robot, model
@@ -57,10 +57,6 @@ class Auto:
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
         return driven_beside(vertices_m, self._rows)
-
-    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
-        """None are known; see ``Driving``."""
-        raise NotImplementedError
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round, which begins and ends as the leg from the first corner begins."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -18,22 +19,21 @@ from rota.vehicles.models import MODELS
 from rota.vehicles.presets import vehicle_within
 
 Floats = NDArray[np.float64]
+Slopes = Callable[[Floats], tuple[Floats, Floats]]
 
 
 class Driving(Protocol):
     """What a robot can do. Times are told as the metres that it travels in them at its pace.
 
     pace_m_s: about its speed on its rounds, so that a metre of a usual round costs a metre; full speed without mass.
-    has_mass: speeds take time to change. has_slopes: ``slopes`` tells what moves of vertices cost. corner_costs:
-    what corners add, for compiled loops; sums of them are near to ``round_m``, which is exact. off_m: how far from its
-    polyline it drives at most, where it cuts corners. blind_m: of a leg's end at a right angle, from where a search
-    counts nothing as seen, since the corner is cut.
+    has_mass: speeds take time to change. corner_costs: what corners add, for compiled loops; sums of them are near to
+    ``round_m``, which is exact. off_m: how far from its polyline it drives at most, where it cuts corners. blind_m: of
+    a leg's end at a right angle, from where a search counts nothing as seen, since the corner is cut.
     """
 
     robot: Robot
     pace_m_s: float
     has_mass: bool
-    has_slopes: bool
     corner_costs: CornerCosts
     off_m: float
     blind_m: float
@@ -49,11 +49,12 @@ class Driving(Protocol):
         """
         ...
 
-    def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
+    @property
+    def slopes(self) -> Slopes | None:
         """What a round of a closed polyline (n, 2) costs more for each metre that a vertex moves along an axis.
 
-        Twice (n, 2) in metres: as it grows with the move, and whichever way it goes, as bends of straight ways do. Only
-        where ``has_slopes``.
+        Twice (n, 2) in metres: as it grows with the move, and whichever way it goes, as bends of straight ways do. None
+        where that is not known.
         """
         ...
 

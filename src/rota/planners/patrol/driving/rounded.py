@@ -33,7 +33,7 @@ BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its
 class Rounded:
     """What a robot with mass can do; see ``Driving``."""
 
-    has_mass = has_slopes = True
+    has_mass = True
 
     def __init__(self, robot: Robot) -> None:
         motion = robot.motion

@@ -240,7 +240,8 @@ def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
     bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
-    if bending.some_far and driving_of(problem.robot).has_slopes:  # detours are dear: moves make them shorter first
+    # detours are dear: moves make them shorter first
+    if bending.some_far and driving_of(problem.robot).slopes is not None:
         tours = see_the_rest(context, tours, points, samples, seed=seed)
         tours = tightened(context, tours, samples, seed=seed)
         bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.mission import DiscSensor, inner_reach_m
-from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.driving import Slopes, driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, tour_length_m, whole_budget_m
@@ -40,13 +40,14 @@ class Layout:
     budget_m: Floats
 
     @property
-    def has_slopes(self) -> bool:
-        """Whether lengths are exact, corners included: the tours' robots know how these change with every move."""
-        return all(driving_of(tour.robot).has_slopes for tour in self.tours)
+    def slopes(self) -> tuple[Slopes, ...] | None:
+        """Each tour's where all robots know them, and lengths are exact, corners included; None where one does not."""
+        known = tuple(slopes for tour in self.tours if (slopes := driving_of(tour.robot).slopes) is not None)
+        return known if len(known) == len(self.tours) else None
 
     def lengths_m(self, places_m: Floats) -> Floats:
-        """Length (k,) of each tour with its vertices at these places (n, 2); without corners but for ``has_slopes``."""
-        if self.has_slopes:
+        """Length (k,) of each tour with its vertices at these places (n, 2); without corners but for ``slopes``."""
+        if self.slopes is not None:
             return np.array([tour_length_m(tour) for tour in self.tours_at(places_m)])
         legs_m = np.hypot(*(places_m[self.end] - places_m[self.start]).T)
         return np.asarray(np.bincount(self.tour, weights=legs_m, minlength=len(self.tours)), dtype=np.float64)
@@ -109,7 +110,7 @@ def cut_legs(vertices_m: Floats, longest_m: float) -> tuple[Floats, Floats]:
 def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
     """How often each tour (k,) counts in each budget, and that: of each tour alone, each round of a nest and all.
 
-    What corners add is taken from the budgets, but for ``Layout.has_slopes``.
+    What corners add is taken from the budgets, but for ``Layout.slopes``.
     """
     for hub, *petals in nests(tours):
         whole = np.zeros(len(tours))
@@ -125,7 +126,8 @@ def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
 
 def corners_m(tour: Tour) -> float:
     """What corners add to a tour of a robot with mass: a step that moves them a little hardly changes it."""
-    if not driving_of(tour.robot).has_mass or driving_of(tour.robot).has_slopes:
+    driving = driving_of(tour.robot)
+    if not driving.has_mass or driving.slopes is not None:
         return 0.0
     legs_m = np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T)
     return tour_length_m(tour) - float(legs_m.sum())

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
-from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
@@ -104,11 +103,11 @@ def length_rows(layout: Layout, places_m: Floats) -> tuple[csr_array, csr_array]
     """
     n = len(places_m)
     shape = len(layout.tours), 2 * n
-    if layout.has_slopes:
+    if layout.slopes is not None:
         growth, bends = np.zeros((n, 2)), np.zeros((n, 2))
-        for k, tour in enumerate(layout.tours):
+        for k, slopes in enumerate(layout.slopes):
             own = layout.start[layout.tour == k]
-            growth[own], bends[own] = driving_of(tour.robot).slopes(places_m[own])
+            growth[own], bends[own] = slopes(places_m[own])
         of_vertex = np.empty(n, dtype=np.int64)
         of_vertex[layout.start] = layout.tour
         where = np.repeat(of_vertex, 2), np.arange(2 * n)

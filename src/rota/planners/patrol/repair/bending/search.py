@@ -61,7 +61,7 @@ class Bending:
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
-        longest = settings.longest_with_slopes if driving_of(problem.robot).has_slopes else settings.longest_leg
+        longest = settings.longest_leg if driving_of(problem.robot).slopes is None else settings.longest_with_slopes
         self._layout, self._places_m = laid_out(tours, longest * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
