@@ -149,6 +149,10 @@ def _driving_faults(driving: Driving) -> Iterator[Fault]:
     if top is not None and values["speed_m_s"] > top.value:
         allowed = f"{vehicle.name} drives at most {top.value:.6g} m/s ({top.parameter}; {top.source})"
         yield Fault(places["speed_m_s"], f"{shown(values['speed_m_s'])} is not allowed; {allowed}")
+    if vehicle.formats and vehicle.jerk_m_s3 is not None and values["jerk_m_s3"] is not None:
+        own = f"its firmware's ({vehicle.jerk_m_s3.parameter}) in the mean, and at corners exceeds it"
+        message = f"is not allowed; {vehicle.name} keeps {own}: leave it out, or the vehicle"
+        yield Fault(places["jerk_m_s3"], f"{shown(values['jerk_m_s3'])} {message}")
     if not vehicle.flies:
         for name in ("climb_m_s", "descend_m_s", "top_airspeed_m_s"):
             if values[name] is not None:
