@@ -67,6 +67,7 @@ class Autopilot:
     params: dict[str, float] = field(default_factory=dict)
     in_air: bool = False
     silent: bool = False
+    heard_from: set[int] = field(default_factory=set)
     _asker: tuple[int, int] = (0, 0)
     _incoming: list[Any] = field(default_factory=list)
     _expected: tuple[int, int] = (0, 0)
@@ -133,6 +134,7 @@ class Autopilot:
         for message in self.link.parse_buffer(data) or ():
             if not self.silent and not self._is_lost():
                 self._asker = (message.get_srcSystem(), message.get_srcComponent())
+                self.heard_from.add(message.get_srcSystem())
                 answer = getattr(self, f"on_{message.get_type().lower()}", None)
                 if answer is not None:
                     answer(message)

@@ -120,6 +120,16 @@ def test_rally_points_are_held_told_of_counted_and_taken_away() -> None:
         assert told[0].endswith(
             "straight, at 20 m or higher, to the nearest of its 2 rally points within 500 m, or else home"
         )
+        # ArduCopter::failsafe_gcs_check counts the heartbeats of one ground station alone
+        vehicles[0].params["SYSID_MYGCS"] = 255.0
+        told = with_link(two, vehicles, send_and_ask)
+        assert told[0] == (
+            "if this link is lost, it flies its mission on: FS_GCS_ENABLE 1 heeds ground station 255 alone"
+            " (SYSID_MYGCS), this is 245 (--set system_id=)"
+        )
+        assert vehicles[0].heard_from == {245}
+        assert "it returns to launch" in with_link(two, vehicles, send_and_ask, "system_id=255")[0]
+        assert vehicles[0].heard_from == {245, 255}
         points = vehicles[0].items[RALLY]
         lon, lat = Projection(plan.mission.origin).to_degrees([100.0, -20.0], [50.0, 0.0])
         assert [(point.x, point.y) for point in points] == [

@@ -13,9 +13,10 @@ from rota.links.mavlink_vehicle import MavlinkVehicle
 
 ARDUPILOT_READ = (
     "FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", "FENCE_ENABLE", "FENCE_ACTION", "RTL_ALT", "GUID_TIMEOUT",
-    "WPNAV_ACCEL", "PSC_JERK_XY", "MIS_RESTART", "RALLY_LIMIT_KM", "RALLY_INCL_HOME",
+    "WPNAV_ACCEL", "PSC_JERK_XY", "MIS_RESTART", "RALLY_LIMIT_KM", "RALLY_INCL_HOME", "SYSID_MYGCS",
 )  # fmt: skip
 PX4_READ = ("NAV_DLL_ACT", "COM_DL_LOSS_T", "GF_ACTION", "RTL_RETURN_ALT")
+HEEDS = "SYSID_MYGCS"  # whose heartbeats count, Copter::failsafe_gcs_check
 GOES_ON_IN_AUTO = 1 << 1  # of FS_OPTIONS: "Continue if in Auto on GCS failsafe"
 ARDUPILOT_LOST = {
     1: "it returns to launch", 3: "it returns to launch by SmartRTL, its own way backwards, or else directly",
@@ -58,25 +59,28 @@ def _parameter(vehicle: MavlinkVehicle, name: str) -> float | None:
 
 
 def told_of(
-    vehicle: MavlinkVehicle, has: Mapping[str, float], *, by_targets: bool, rally_points: int
+    vehicle: MavlinkVehicle, has: Mapping[str, float], *, by_targets: bool, rally_points: int, own_id: int
 ) -> tuple[str, ...]:
     """Sentences on what the vehicle does by itself. by_targets: it is driven by them, not by a mission of its own.
 
-    rally_points: how many it holds.
+    rally_points: how many it holds. own_id: by which it knows this ground station.
     """
     if vehicle.autopilot == "px4":
         return _told_of_px4(has)
-    told = _told_of_ardupilot(has, by_targets=by_targets, rally_points=rally_points)
+    told = _told_of_ardupilot(has, by_targets=by_targets, rally_points=rally_points, own_id=own_id)
     return (*told, *(_missing(has) if by_targets else ()))
 
 
-def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool, rally_points: int) -> Sequence[str]:
+def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool, rally_points: int, own_id: int) -> Sequence[str]:
     action = int(has.get("FS_GCS_ENABLE", 0))
     goes_on = int(has.get("FS_OPTIONS", 0)) & GOES_ON_IN_AUTO and not by_targets
     stops = f"it stops after {has.get('GUID_TIMEOUT', 3.0):g} s and hovers" if by_targets else "it flies its mission on"
     if action == 0 or goes_on:
         setting = "FS_GCS_ENABLE 0" if action == 0 else f"FS_OPTIONS {has['FS_OPTIONS']:.0f}"
         lost = f"{stops} ({setting})"
+    elif has.get(HEEDS, 0) not in (0, own_id):
+        heeded = f"ground station {has[HEEDS]:.0f} alone ({HEEDS}), this is {own_id} (--set system_id=)"
+        lost = f"{stops}: FS_GCS_ENABLE {action} heeds {heeded}"
     else:
         after_s = has.get("FS_GCS_TIMEOUT", 5.0)
         does = ARDUPILOT_LOST.get(action, "it does what its version makes of that")

@@ -71,6 +71,9 @@ class MavlinkSettings(Settings):
     answer_s: float = setting(20.0, "how long it may take for a command, or a route", above=0, most=3600)
     ready_s: float = setting(60.0, "how long a vehicle may take until it arms", above=0, most=3600)
     rate_hz: float = setting(5.0, "reports of each vehicle in a second", above=0, most=100)
+    system_id: int = setting(
+        245, "of this ground station; an ArduPilot heeds the loss of SYSID_MYGCS", least=1, most=255
+    )
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
 
 
@@ -114,7 +117,9 @@ class MavlinkLink(RealTimeLink):
 
         silence_mavsdk()
         address, wait_s = self._addresses[robot], self._settings.wait_s
-        mavsdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
+        configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
+        configuration.system_id = self._settings.system_id
+        mavsdk = Mavsdk(configuration)
         self._instances.append(mavsdk)
         result = mavsdk.add_any_connection(address)
         if result.name != "SUCCESS":
@@ -256,7 +261,8 @@ class MavlinkLink(RealTimeLink):
         vehicle = self._vehicle(robot)
         names = ARDUPILOT_READ if vehicle.autopilot == "ardupilot" else PX4_READ
         has = await read_parameters(vehicle, names)
-        return told_of(vehicle, has, by_targets=self.drives_along, rally_points=self._rallies.get(robot, 0))
+        held = {"rally_points": self._rallies.get(robot, 0), "own_id": self._settings.system_id}
+        return told_of(vehicle, has, by_targets=self.drives_along, **held)
 
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off, as it says."""
