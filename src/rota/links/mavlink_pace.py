@@ -10,6 +10,7 @@ import asyncio
 import math
 from collections.abc import Sequence
 
+from rota.errors import LinkError
 from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, LOITER_UNLIMITED, WAYPOINT
 from rota.links.mavlink_items import WireItem
 from rota.links.mavlink_vehicle import MavlinkVehicle
@@ -69,6 +70,7 @@ class MissionPace:
         self._first_m_s = next((item.params[1] for item in items if item.command == DO_CHANGE_SPEED), 0.0)
         self._told: tuple[int, float] | None = None
         self._goes_on_to: int | None = None
+        self._refused = False
 
     async def start_in_air(self, time_s: float) -> None:
         """Let an ArduCopter begin with its first waypoint: it takes off again wherever it is.
@@ -132,10 +134,21 @@ class MissionPace:
         return None if item is None else next((number for number in self._numbers if number >= item), None)
 
     async def _pause(self, duration_s: float) -> None:
-        """Let it stand for so long; whatever ends this, it goes on."""
+        """Let it stand for so long; whatever ends this, it goes on.
+
+        Just where it reaches a waypoint it refuses (``ModeAuto::pause``): the next try is a second later, and only when
+        that is refused, too, it is an error.
+        """
         loop = asyncio.get_running_loop()
         begun_s = loop.time()
-        await self._vehicle.command("pausing", DO_PAUSE_CONTINUE, [0])
+        try:
+            await self._vehicle.command("pausing", DO_PAUSE_CONTINUE, [0])
+        except LinkError:
+            self._refused = not self._refused
+            if self._refused:
+                return
+            raise
+        self._refused = False
         try:
             await asyncio.sleep(begun_s + duration_s - loop.time())
         finally:
