@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rota.errors import RotaError
 from rota.model.fleet import Robot
 from rota.model.plan import Floats, Plan, Trajectory, Waypoints
 from rota.routes.driven_route import from_start
@@ -64,7 +65,7 @@ def expected_lags(plan: Plan) -> dict[str, ExpectedLags]:
 
 
 def lags_on_round(trajectory: Trajectory, robot: Robot, altitude_m: float) -> ExpectedLags | None:
-    """Where it is later than the plan has it; None: it has no waypoints, or its firmware is not modelled.
+    """Where it is later than the plan has it; None: it has no waypoints, or nobody knows what it makes of them.
 
     Lags are 0 in the mean over a round, so that robots on one loop agree on them wherever each begins.
     """
@@ -73,7 +74,10 @@ def lags_on_round(trajectory: Trajectory, robot: Robot, altitude_m: float) -> Ex
         return None
     route, round_s = route_of(trajectory, altitude_m), trajectory.loop_duration_s
     way = Way(robot=robot.name, once=from_start(route), every_round=route.every_round)
-    flown = MODELS[motion.vehicle](vehicle_within(motion)).drive(way, Wind())
+    try:
+        flown = MODELS[motion.vehicle](vehicle_within(motion)).drive(way, Wind())
+    except RotaError:
+        return None  # a round that is longer than motion is worked out for
     # what a whole round is longer by is no lag, but a slower pace
     pace = round_s / flown.round_s
     at_s, lags_s, slowest_m_s = (
