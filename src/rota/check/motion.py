@@ -262,13 +262,14 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     What a leg may be too short in time does not add up: no row of legs, however many, is farther ahead of the robot's
     speed than 1e-6 m or than the rounding of its two ends in time, whichever is more. Of several rows one is told.
     """
+    top_m_s = robot.speed_m_s
     steps = np.diff(trajectory.positions_m, axis=0)
     length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
     fastest_m = length * (1 + np.abs(trajectory.bends))  # what a leg's time is enough for at its fastest speed
     noise_m = 4 * FLOAT_EPS * np.abs(trajectory.positions_m).max()
     with np.errstate(over="ignore", invalid="ignore"):  # the fastest robots may go anywhere at once
-        most = robot.speed_m_s * time * (1 + SPEED_TOLERANCE) + noise_m
-        grain_m = robot.speed_m_s * 2 * FLOAT_EPS * trajectory.times_s[1:]
+        most = top_m_s * time * (1 + SPEED_TOLERANCE) + noise_m
+        grain_m = top_m_s * 2 * FLOAT_EPS * trajectory.times_s[1:]
         rows = [(m, m + 1) for m in np.flatnonzero(fastest_m > most + grain_m)[:MOST_PER_ROBOT]]
         rows = rows or _row_ahead(length - most, np.maximum(grain_m, TOUCH_M))
     violations = []
@@ -276,7 +277,7 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         x, y = trajectory.positions_m[m, :2]
         value = float((fastest_m if end == m + 1 else length)[m:end].sum() / time[m:end].sum())
         when = float(trajectory.times_s[m])
-        violations.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
+        violations.append(violation("speed", robot.name, (x, y), when, value, top_m_s, "m/s"))
     return violations
 
 

@@ -179,6 +179,12 @@ class Robot(Abilities, as_fleet=True):
         return replace(self, **said) if said else self
 
     @property
+    def ground_speed_m_s(self) -> float:
+        """The speed that it keeps over the ground, wherever the wind blows from. Planners and bounds count with it."""
+        top_m_s = self.motion.top_airspeed_m_s
+        return self.speed_m_s if top_m_s is None else min(self.speed_m_s, top_m_s - self.motion.wind_m_s)
+
+    @property
     def turns_at_once(self) -> bool:
         """Whether it turns on the spot and in no time."""
         return self.turn_rate_rad_s is None and self.turn_radius_m == 0 and not self.motion.has_mass

@@ -67,12 +67,6 @@ class MotionLimits:
         """Whether speeds take time to change."""
         return self.acceleration_m_s2 is not None
 
-    def ground_speed_m_s(self, speed_m_s: float) -> float:
-        """The speed over the ground, of so much asked, that it can keep wherever the wind blows from."""
-        if self.top_airspeed_m_s is None:
-            return speed_m_s
-        return min(speed_m_s, self.top_airspeed_m_s - self.wind_m_s)
-
 
 NEED_MASS = ("jerk_m_s3", "corner_acceleration_m_s2", "corner_m")  # and without acceleration_m_s2 say nothing
 MOTION_FIELDS = tuple(item.name for item in fields_of(MotionLimits))

@@ -147,7 +147,7 @@ def _crew(plan: Plan) -> Crew:
         free_ground(mission),
         [robot.body_radius_m for robot in robots],
         [math.radians(angle) for angle in BounceSettings.of(mission).bouncing.angles_of(len(robots))],
-        speed_m_s=min(robot.speed_m_s for robot in robots),
+        speed_m_s=min(robot.ground_speed_m_s for robot in robots),
         turn_s=_turn_s(mission, plan),
     )
 

@@ -127,7 +127,7 @@ def _kinds(mission: Mission, robots: tuple[Robot, ...]) -> list[int]:
     """For each robot the first robot that has the same angle, speed, turn rate and body."""
     each = BounceSettings.of(mission).bouncing.angles_of(len(robots))
     keys = [
-        (angle, robot.speed_m_s, robot.turn_rate_rad_s, robot.body_radius_m)
+        (angle, robot.ground_speed_m_s, robot.turn_rate_rad_s, robot.body_radius_m)
         for angle, robot in zip(each, robots, strict=True)
     ]
     return [keys.index(key) for key in keys]

@@ -118,7 +118,7 @@ def track(cycle: PolygonCycle, robot: Robot, zones: Sequence[MultiPolygon]) -> T
     times, places, faced = [0.0], [corners[0]], [float(headings[0])]
     for k in range(len(corners)):
         following = corners[(k + 1) % len(corners)]
-        times.append(times[-1] + math.dist(corners[k], following) / robot.speed_m_s)
+        times.append(times[-1] + math.dist(corners[k], following) / robot.ground_speed_m_s)
         places.append(following)
         faced.append(float(headings[k]))
         left = float(headings[(k + 1) % len(corners)])

@@ -55,7 +55,7 @@ def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
     """
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),) * count
     moves_m = np.hypot(*cells.moves.T) * cells.cell_m
-    move_s = np.array([moves_m / robot.speed_m_s for robot in robots])
+    move_s = np.array([moves_m / robot.ground_speed_m_s for robot in robots])
     longest_s = step_duration_s(mission, cells)
     if BounceSettings.of(mission).clock_margin_s > 0:
         move_s = np.full_like(move_s, longest_s)
@@ -72,7 +72,7 @@ def step_duration_s(mission: Mission, cells: Cells) -> float:
     true_rad = cells.headings_rad
     turns_rad = [float(((np.roll(true_rad, -count) - true_rad) % math.tau).max()) for count in steps]
     turning_s = [max(turns_rad) / robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
-    return max(cells.longest_move_m / min(robot.speed_m_s for robot in robots), *turning_s, 0.0)
+    return max(cells.longest_move_m / min(robot.ground_speed_m_s for robot in robots), *turning_s, 0.0)
 
 
 def trajectory(robot: str, cells: Cells, states: Ints, *, times_s: Floats, loop_from: int) -> Trajectory:

@@ -33,7 +33,8 @@ def require_corners_in_reach(mission: Mission) -> None:
     radius_m = min(robot.turn_radius_m for robot in robots)
     reach_m = max(robot.sensor.reach_m for robot in robots)
     regions = [region for region in demanded_regions(mission) if region.demand == "every_point"]
-    shortest_m = min((region.period_s for region in regions), default=0.0) * min(robot.speed_m_s for robot in robots)
+    slowest_m_s = min(robot.ground_speed_m_s for robot in robots)
+    shortest_m = min((region.period_s for region in regions), default=0.0) * slowest_m_s
     if radius_m == 0 or shortest_m <= MOST_TRAVEL * reach_m:
         return
     hull, body_m = mission.area.convex_hull, min(robot.body_radius_m for robot in robots)

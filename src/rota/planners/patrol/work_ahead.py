@@ -32,7 +32,7 @@ def planning_ahead(mission: Mission) -> Iterator[str]:
                 f"{squares:,.0f} squares of the sensor's reach to watch: at effort quick about"
                 f" {about(PLANNING_S_PER_SQUARE * squares)} and {memory:.0f} GB, more at the others"
             )
-        robots = mission.area.area / (2 * reach_m * robot.speed_m_s * mission.period_s)
+        robots = mission.area.area / (2 * reach_m * robot.ground_speed_m_s * mission.period_s)
         if robots >= MANY_ROBOTS:
             walls = bool(mission.obstacles) or any(part.interiors for part in mission.area.geoms)
             searched = f", up to {about(SEARCHED_S_PER_ROBOT * robots)} where walls are in the way" if walls else ""

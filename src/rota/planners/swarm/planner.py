@@ -252,7 +252,7 @@ def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: NDArray[np.flo
         len(robots),
         body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
         sensor_m=sensors,
-        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        speed_m_s=np.array([robot.ground_speed_m_s for robot in robots]),
         neighbour_range_m=reach_m if settings.controller == "reciprocal" else sensors + sensors.max(),
         wall_range_m=settings.wall_range_m or sensors,
     )
@@ -337,7 +337,7 @@ def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
     if settings.filter:
         return
     for robot, sensor_m in zip(mission.fleet.robots or (), sensors_of(mission), strict=True):
-        step_m, range_m = robot.speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
+        step_m, range_m = robot.ground_speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
         if step_m + robot.body_radius_m > range_m:
             raise MissionError(
                 f"swarm.time_step_s: {settings.time_step_s:.6g} is not allowed without the filter: robot {robot.name}"

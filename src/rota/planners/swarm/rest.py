@@ -32,7 +32,7 @@ def longest_rest_m(mission: Mission, step_s: float | None = None) -> float:
     """
     settings = SwarmSettings.of(mission)
     step_s = settings.time_step_s if step_s is None else step_s
-    speeds = [robot.speed_m_s for robot in mission.fleet.robots or () if robot.speed_m_s > 0]
+    speeds = [robot.ground_speed_m_s for robot in mission.fleet.robots or () if robot.ground_speed_m_s > 0]
     return min([settings.stop_m, *(AT_REST_SHARE * speed * step_s for speed in speeds)])
 
 
@@ -40,7 +40,7 @@ def blocked_robots(swarm: Swarm | SpaceSwarm, mission: Mission) -> tuple[str, ..
     """The robots at rest that want to go on and cannot; only those that settle know where to."""
     if SwarmSettings.of(mission).controller != "settle":
         return ()
-    most_m = np.array([robot.speed_m_s for robot in mission.fleet.robots or ()]) * swarm.rule.time_step_s
+    most_m = np.array([robot.ground_speed_m_s for robot in mission.fleet.robots or ()]) * swarm.rule.time_step_s
     wants = swarm.wishes_m() > WANTS_SHARE * most_m
     return tuple(robot.name for robot, told in zip(mission.fleet.robots or (), wants.tolist(), strict=True) if told)
 

@@ -168,11 +168,12 @@ def test_never_above_a_square_that_goes_to_and_fro_along_a_diagonal() -> None:
 )
 def test_the_bound_of_a_mixed_fleet_is_that_of_its_strongest(sensors: tuple[Sensor, Sensor], expected: Sensor) -> None:
     robots = tuple(Robot(name=f"r{i}", speed_m_s=1 + i, sensor=sensor) for i, sensor in enumerate(sensors))
-    strongest = strongest_robot(Fleet(speed_m_s=9, sensor=DiscSensor(radius_m=9), robots=robots))
+    fleet = Fleet(speed_m_s=9, sensor=DiscSensor(radius_m=9), robots=robots)
+    strongest = strongest_robot(fleet)
     assert strongest.speed_m_s == 2  # the fleet's common values are nobody's here
     assert type(strongest.sensor) is type(expected)
     assert strongest.sensor.reach_m == pytest.approx(expected.reach_m)
-    for robot in robots:
+    for robot in fleet.robots or ():
         assert sweep_m2_s(strongest) >= sweep_m2_s(robot) * (1 - 1e-12)
         assert footprint_m2(strongest) >= footprint_m2(robot) - 1e-12
 

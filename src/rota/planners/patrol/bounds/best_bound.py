@@ -80,7 +80,7 @@ def _by_rates(
 
 def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int) -> Iterator[ProvedBound]:
     """The proofs from places far apart. least: what is known already, so that vain searches end early."""
-    apart_m, speed_m_s = witnesses.apart_m, robot.speed_m_s
+    apart_m, speed_m_s = witnesses.apart_m, robot.ground_speed_m_s
     yield clique_bound(apart_m, witnesses.period_s, speed_m_s)
     if np.isfinite(witnesses.way_m).all():
         yield chain_bound(witnesses.way_m, witnesses.spread_m, witnesses.period_s, speed_m_s)

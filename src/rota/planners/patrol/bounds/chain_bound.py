@@ -41,7 +41,7 @@ def straight_chain_bound(problem: Problem, robot: Robot) -> ProvedBound:
     lattice = np.flatnonzero((points.visit_m == 0) & (points.shrink_m > 0))
     some = lattice[:: max(1, len(lattice) // MOST_POINTS)]
     period_s = np.array(problem.periods_s)[points.period[some]]
-    return _proof(straight_chain(points.xy_m[some], robot.sensor.reach_m, period_s, robot.speed_m_s))
+    return _proof(straight_chain(points.xy_m[some], robot.sensor.reach_m, period_s, robot.ground_speed_m_s))
 
 
 def _proof(robots: int) -> ProvedBound:

@@ -26,7 +26,7 @@ def groups_bound(pieces: Pieces, robot: Robot) -> ProvedBound:
         areas_m2 = np.array([pieces.area_m2[group].sum() for group in groups])
         periods_s = np.array([pieces.period_s[group].max() for group in groups])
         each = np.maximum(1, np.ceil(areas_m2 / seen_within_m2(robot, periods_s) / SURELY)).astype(np.int64)
-        clique = heaviest_clique(too_far_apart(gaps_m, periods_s, robot.speed_m_s), each)
+        clique = heaviest_clique(too_far_apart(gaps_m, periods_s, robot.ground_speed_m_s), each)
         best = max(best, (int(each[clique].sum()), len(clique)))
     robots, groups_apart = best
     if robots == groups_apart:

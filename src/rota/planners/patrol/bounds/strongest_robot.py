@@ -10,7 +10,7 @@ from rota.model.mission import DiscSensor, Fleet, Robot
 def strongest_robot(fleet: Fleet) -> Robot:
     """A robot at least as fast and far-sighted as every one of the fleet: a bound for it holds for all."""
     robots = fleet.robots or (fleet.equal_robot("robot-1"),)
-    speed_m_s = max(robot.motion.ground_speed_m_s(robot.speed_m_s) for robot in robots)
+    speed_m_s = max(robot.ground_speed_m_s for robot in robots)
     # a square fits in the disc round it, so a mixed fleet is bounded by discs
     if len({type(robot.sensor) for robot in robots}) == 1:
         sensor = max((robot.sensor for robot in robots), key=lambda sensor: sensor.reach_m)
@@ -25,8 +25,8 @@ def strongest_robot(fleet: Fleet) -> Robot:
 def sweep_m2_s(robot: Robot) -> float:
     """New area per second that comes into range of a moving robot at most (2 r V; a square of side a: sqrt(2) a V)."""
     if isinstance(robot.sensor, DiscSensor):
-        return 2 * robot.sensor.radius_m * robot.speed_m_s
-    return math.sqrt(2) * robot.sensor.side_m * robot.speed_m_s
+        return 2 * robot.sensor.radius_m * robot.ground_speed_m_s
+    return math.sqrt(2) * robot.sensor.side_m * robot.ground_speed_m_s
 
 
 def footprint_m2(robot: Robot) -> float:

@@ -48,9 +48,9 @@ def steady_speed_m_s(robot: Robot, radius_m: float) -> float:
     That is its speed where turning takes it no time, and 0 in a circle of no size.
     """
     if robot.turn_rate_rad_s is None:
-        return robot.speed_m_s
+        return robot.ground_speed_m_s
     turning_m_s = radius_m * robot.turn_rate_rad_s  # of a robot that drives in no time
-    return robot.speed_m_s * turning_m_s / (robot.speed_m_s + turning_m_s)
+    return robot.ground_speed_m_s * turning_m_s / (robot.ground_speed_m_s + turning_m_s)
 
 
 def turning_robots(
@@ -70,7 +70,7 @@ def turning_robots(
         return 0.0, 0.0
     steady = replace(robot, speed_m_s=steady_m_s)
     shares = [1 / (1 + footprint_m2(steady) / (sweep_m2_s(steady) * period_s)) for period_s in periods_s]
-    most_earned = 1 + (1 - steady_m_s / robot.speed_m_s) * (max(shares) - min(shares))
+    most_earned = 1 + (1 - steady_m_s / robot.ground_speed_m_s) * (max(shares) - min(shares))
     lost_m2 = [shape.area - m2 for shape, m2 in zip(shapes, seeable_m2, strict=True)]
     robots, asked_m2_s = swept_robots(shapes, lost_m2, periods_s, steady)
     return max(area_rate(seeable_m2, periods_s, steady), (robots / most_earned, asked_m2_s))

@@ -29,9 +29,9 @@ class AtOnce:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self.pace_m_s = robot.speed_m_s
+        self.pace_m_s = robot.ground_speed_m_s
         rate, radius_m = robot.turn_rate_rad_s, robot.turn_radius_m
-        turn_m = ARC_SHARE * radius_m if rate is None else robot.speed_m_s / rate
+        turn_m = ARC_SHARE * radius_m if rate is None else robot.ground_speed_m_s / rate
         self.corner_costs = CornerCosts(
             turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0, quarter_turn_m=math.pi / 2 * turn_m
         )
@@ -55,7 +55,7 @@ class AtOnce:
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         line_m, turns = np.vstack([vertices_m, vertices_m[:1]]), np.roll(turns_rad(vertices_m), -1)
-        return timed_line(line_m, turns, self.robot, least_s=SLOW_LEG_M / self.robot.speed_m_s)
+        return timed_line(line_m, turns, self.robot, least_s=SLOW_LEG_M / self.robot.ground_speed_m_s)
 
 
 def timed_line(line_m: Floats, turns: Floats, robot: Robot, *, least_s: float = 0.0) -> TimedLine:
@@ -64,7 +64,7 @@ def timed_line(line_m: Floats, turns: Floats, robot: Robot, *, least_s: float = 
     turns (n - 1,): the angles in radians by which the robot turns at each point but the first. least_s: no leg is
     driven in less time.
     """
-    travel_s = np.maximum(np.hypot(*np.diff(line_m, axis=0).T) / (robot.speed_m_s * SLOWER), least_s)
+    travel_s = np.maximum(np.hypot(*np.diff(line_m, axis=0).T) / (robot.ground_speed_m_s * SLOWER), least_s)
     turn_s = np.zeros(len(travel_s))
     if robot.turn_rate_rad_s is not None:
         turn_s = turns / (robot.turn_rate_rad_s * SLOWER)

@@ -34,14 +34,14 @@ class Auto:
     def __init__(self, robot: Robot, model: ArduPilotAuto) -> None:
         self.robot, self.model = robot, model
         corner_m = robot.motion.corner_m
-        self.off_m = min(corner_m, robot.speed_m_s**2 / (2 * model.most_m_s2))
+        self.off_m = min(corner_m, robot.ground_speed_m_s**2 / (2 * model.most_m_s2))
         self.blind_m = BLIND * self.off_m
         self._chord_s = 2 * math.sqrt(2 * OFF_M / (2 * model.most_m_s2))
-        self.pace_m_s = robot.speed_m_s
+        self.pace_m_s = robot.ground_speed_m_s
         self.pace_m_s = pace_on_lanes(self)
         longest_m = LONGEST_REACHES * robot.sensor.reach_m
-        table = corner_table(longest_m, robot.speed_m_s, self.pace_m_s, *self.model.closed_form)
-        straight = self.pace_m_s / robot.speed_m_s - 1
+        table = corner_table(longest_m, robot.ground_speed_m_s, self.pace_m_s, *self.model.closed_form)
+        straight = self.pace_m_s / robot.ground_speed_m_s - 1
         self.corner_costs = CornerCosts(
             turn_m=0.0, arc_m=0.0, table=table, longest_m=longest_m, straight=straight,
             quarter_turn_m=quarter_turn_m(self, longest_m),
@@ -52,7 +52,7 @@ class Auto:
         vertices_m = thinned(vertices_m)
         if len(vertices_m) == 1:
             return 0.0
-        return float(self.model.round_times_s(vertices_m, self.robot.speed_m_s).sum()) * self.pace_m_s
+        return float(self.model.round_times_s(vertices_m, self.robot.ground_speed_m_s).sum()) * self.pace_m_s
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
@@ -74,7 +74,7 @@ class Auto:
         It stands at the next corner until the leg from there is to begin, and is in phase from the end of that corner
         on. None: it has no way to go.
         """
-        corners_m, speed = thinned(vertices_m), self.robot.speed_m_s
+        corners_m, speed = thinned(vertices_m), self.robot.ground_speed_m_s
         if len(corners_m) == 1:
             return None
         line = self.timed(corners_m)
@@ -122,5 +122,5 @@ class Auto:
         # a leg of constant acceleration is off a motion with jerk j by up to j t^3 / 31
         straight_s = (31 * STRAIGHT_OFF_M / (math.pi / 2 * self.model.jerk_m_s3)) ** (1 / 3)
         round_s = self.round_m(corners_m) / self.pace_m_s
-        speed = self.robot.speed_m_s
+        speed = self.robot.ground_speed_m_s
         return np.asarray(sampled_round(corners_m, speed, round_s, self._chord_s, straight_s, *self.model.closed_form))

@@ -44,7 +44,7 @@ def pace_on_lanes(timing: Timing, lane_m: float | None = None) -> float:
 def quarter_turn_m(timing: Timing, leg_m: float) -> float:
     """Metres that a right angle between legs of this length adds to what they take at full speed."""
     square = leg_m * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    return timing.round_m(square) / 4 - leg_m * timing.pace_m_s / timing.robot.speed_m_s
+    return timing.round_m(square) / 4 - leg_m * timing.pace_m_s / timing.robot.ground_speed_m_s
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -42,7 +42,7 @@ class Rounded:
         corner = motion.corner_acceleration_m_s2 or motion.acceleration_m_s2
         rate = robot.turn_rate_rad_s
         self.limits = kernels.Limits(
-            speed_m_s=robot.speed_m_s * SLOWER,
+            speed_m_s=robot.ground_speed_m_s * SLOWER,
             along_m_s2=motion.acceleration_m_s2 * GENTLER,
             corner_m_s2=corner * GENTLER,
             jerk_m_s3=math.inf if motion.jerk_m_s3 is None else motion.jerk_m_s3 * GENTLER,
@@ -52,7 +52,7 @@ class Rounded:
         self.step_s = 2 * math.sqrt(2 * OFF_M / self.limits.corner_m_s2)
         self.off_m = min(self.limits.cut_m, self.limits.speed_m_s**2 / (2 * self.limits.corner_m_s2))
         self.blind_m = BLIND * self.off_m
-        self.pace_m_s = robot.speed_m_s
+        self.pace_m_s = robot.ground_speed_m_s
         self.pace_m_s = pace_on_lanes(self)
         longest_m = LONGEST_REACHES * robot.sensor.reach_m
         top_m_s, along_m_s2, across_m_s2, jerk_m_s3, cut_m, turn_s = self.limits

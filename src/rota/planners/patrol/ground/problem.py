@@ -207,7 +207,7 @@ def common_robot(fleet: Fleet) -> Robot:
     rates = [robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
     return Robot(
         name="common",
-        speed_m_s=min(robot.motion.ground_speed_m_s(robot.speed_m_s) for robot in robots),
+        speed_m_s=min(robot.ground_speed_m_s for robot in robots),
         sensor=sensor,
         body_radius_m=max(robot.body_radius_m for robot in robots),
         turn_rate_rad_s=min(rates) if rates else None,

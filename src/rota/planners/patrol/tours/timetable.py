@@ -54,7 +54,7 @@ def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> TimedLine:
 
     Speeds change and turns are made in no time. The timetable begins the pace's lead into the first round.
     """
-    speed_m_s = robot.speed_m_s * SLOWER
+    speed_m_s = robot.ground_speed_m_s * SLOWER
     round_s = pace.round_m / speed_m_s
     times_s, places = [np.zeros(1)], [vertices_m[:1]]
     for k, vertices in enumerate(np.split(vertices_m, pace.first[1:])):

@@ -98,11 +98,11 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
 
 def for_anyone(context: Context) -> Context:
     """The same search for as many robots as it takes, each like the one that all of the fleet can stand in for."""
-    problem, robot = context.problem, context.problem.robot
+    problem, robot, fleet = context.problem, context.problem.robot, context.problem.mission.fleet
     fleet = replace(
-        problem.mission.fleet,
+        fleet,
         robots=None,
-        speed_m_s=robot.speed_m_s,
+        speed_m_s=min(one.speed_m_s for one in fleet.robots or (fleet,)),
         sensor=robot.sensor,
         body_radius_m=robot.body_radius_m,
         turn_rate_rad_s=robot.turn_rate_rad_s,

@@ -103,7 +103,7 @@ def framed_sensors(
         lengths_m = None
         if settings.partition.times == "routes":
             lengths_m = route_lengths_m(
-                frame, along_s, paths, speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
+                frame, along_s, paths, speed_m_s=robot.ground_speed_m_s, radius_m=radius_m(robot),
                 joining_legs=settings.partition.joining_legs, settings=settings.route,
             )  # fmt: skip
         frames.append(
@@ -155,7 +155,7 @@ def partition_of(
         )
         lengths_m = lengths_m * np.divide(counted_m, really_m, out=np.ones_like(counted_m), where=really_m > 0)
     return partition_frame(
-        part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
+        part.legs_m, part.waypoint_periods_s, speed_m_s=robot.ground_speed_m_s, sensor_radius_m=radius_m(robot),
         segments=segments, route_lengths_m=lengths_m, settings=settings.partition, seed=seed,
     )  # fmt: skip
 
@@ -190,7 +190,7 @@ def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
             if part.route_lengths_m is None:
                 long_m, really_m = float(part.legs_m[inner].sum()), (driven_m[at] - around_m) / 2
             else:
-                long_m, really_m = float(partition.times_s[k]) * robot.speed_m_s, float(driven_m[at])
+                long_m, really_m = float(partition.times_s[k]) * robot.ground_speed_m_s, float(driven_m[at])
             if long_m > 0:
                 legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
             at += 1

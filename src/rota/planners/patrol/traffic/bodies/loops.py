@@ -93,7 +93,7 @@ def loop_of(tour: Tour) -> Loop:
         line=line,
         robots=tour.robots,
         period_s=tour.period_s,
-        speed_m_s=tour.robot.speed_m_s,
+        speed_m_s=tour.robot.ground_speed_m_s,
         may_wait=not tour.robot.motion.has_mass,
     )
 

@@ -65,7 +65,7 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     # the timetable as it was comes last: its phases are exact whatever else fails
     order = [*np.argsort(latest_s, kind="stable")[: MOST_TRIED - 1], 0]
     tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := assignments[s]) is not None]
-    speeds_m_s = np.array([robot.speed_m_s for robot in starts.robots])
+    speeds_m_s = np.array([robot.ground_speed_m_s for robot in starts.robots])
     touching: Plan | None = None
     led: Plan | None = None
     while tried:
@@ -295,7 +295,7 @@ def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody)
         standing = np.array([paths_by_body.standing(starts.robots[k], place) for k, place in placed.items()])
         first_m = np.hypot(*(standing - np.array(list(placed.values()))).T)
         lengths = paths_by_body.paths(body_m).distances(standing, entries_m) + first_m[:, None]
-        speeds = np.array([starts.robots[k].speed_m_s for k in placed])
+        speeds = np.array([starts.robots[k].ground_speed_m_s for k in placed])
         each = (lengths / speeds[:, None]).reshape(len(placed), shifts, loops)
         times_s[:, list(placed), :] = np.moveaxis(each, 1, 0)
     return times_s
