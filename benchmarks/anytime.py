@@ -79,12 +79,12 @@ def searched(mission: Mission) -> Found:
 @contextmanager
 def without_lanes() -> Iterator[None]:
     """Within the block the search does not begin with lanes."""
-    swept = tours.swept
-    tours.swept = lambda *_: None  # type: ignore[assignment]
+    swept = tours.sweep
+    tours.sweep = lambda *_: None  # type: ignore[assignment]
     try:
         yield
     finally:
-        tours.swept = swept
+        tours.sweep = swept
 
 
 def told(founds: list[Found], seconds: float) -> str:

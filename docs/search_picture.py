@@ -22,12 +22,12 @@ from rota.model.mission import Mission
 from rota.planners.patrol.annealing.schedule import anneal_all
 from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context, begin_search
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import Allocation, PeriodGrouping, allocations, period_groupings
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
-from rota.planners.patrol.methods.fewest.multistart import annealed_in_full
-from rota.planners.patrol.methods.fewest.screening import screened
+from rota.planners.patrol.methods.fewest.multistart import anneal_in_full
+from rota.planners.patrol.methods.fewest.screening import screen
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack
 from rota.planners.patrol.repair.repair import Repaired, annealing_of
 from rota.planners.patrol.tours.tour import Tour, nests, over_budget_share
@@ -81,8 +81,8 @@ def trial(context: Context, groupings: list[PeriodGrouping], robots: int, *, lea
     candidates = allocations(
         context.problem, groupings, robots, context.settings.allocation, least_slack=least_slack
     )  # fmt: skip
-    begun = screened(context, candidates, seed=seed)
-    return Trial(robots, candidates, begun, annealed_in_full(context, begun, seed=seed))
+    begun = screen(context, candidates, seed=seed)
+    return Trial(robots, candidates, begun, anneal_in_full(context, begun, seed=seed))
 
 
 def stages(context: Context, tried: Trial) -> list[Stage]:
@@ -120,7 +120,7 @@ def shape_of(tours: Sequence[Tour]) -> list[tuple[int, int, int]]:
 
 def seen_by(context: Context, title: str, tours: Sequence[Tour]) -> Stage:
     """A stage of the search, with its figures in the title."""
-    _, samples = prepared_with(context.problem, no_points())
+    _, samples = prepare_with(context.problem, no_points())
     state = annealing_of(context, list(tours), samples, length_weight=1.0, seed=0)
     unseen = state.unseen_samples
     told = f"{title}\n{state.unseen_share:.2%} unseen, over budget by {over_budget_share(tours):.1%}"

@@ -20,7 +20,7 @@ NEEDLE = np.array([[0.0, 0.0], [60.0, 0.0], [60.0, 20.0], [30.0, 20.0], [29.5, 6
 
 def test_a_copter_falls_behind_where_it_turns_back_and_makes_it_up_on_the_rest_of_the_round() -> None:
     made = driving("arducopter-tuned")
-    begun = {phase_s: made.begun_at_a_corner("a", NEEDLE, phase_s) for phase_s in (0.0, 20.0)}
+    begun = {phase_s: made.begin_at_a_corner("a", NEEDLE, phase_s) for phase_s in (0.0, 20.0)}
     found = {}
     for phase_s, way in begun.items():
         assert way is not None
@@ -46,7 +46,7 @@ def test_a_copter_falls_behind_where_it_turns_back_and_makes_it_up_on_the_rest_o
 
 def test_nothing_is_known_of_other_vehicles_and_of_plans_without_waypoints() -> None:
     made = driving("arducopter-tuned")
-    way = made.begun_at_a_corner("a", NEEDLE, 0.0)
+    way = made.begin_at_a_corner("a", NEEDLE, 0.0)
     assert way is not None
     assert lags_on_round(way, replace(made.robot, motion=AT_ONCE), 25.0) is None
     assert lags_on_round(replace(way, waypoints=None), made.robot, 25.0) is None
@@ -58,7 +58,7 @@ def test_nothing_is_known_of_other_vehicles_and_of_plans_without_waypoints() -> 
 def test_those_that_are_to_be_later_where_they_begin_start_later() -> None:
     """A robot that leaves at its plan's time from where others come past late would be ahead of them for ever."""
     made = driving("arducopter-tuned")
-    ways = [made.begun_at_a_corner(name, NEEDLE, phase_s) for name, phase_s in (("a", 0.0), ("b", 20.0), ("c", 30.0))]
+    ways = [made.begin_at_a_corner(name, NEEDLE, phase_s) for name, phase_s in (("a", 0.0), ("b", 20.0), ("c", 30.0))]
     assert all(way is not None for way in ways)
     area, sensor = box(-50, -50, 150, 150), made.robot.sensor
     names = [replace(made.robot, name=name) for name in "abc"]

@@ -16,7 +16,7 @@ from rota.geometry.free_space import standing_anywhere, standing_space
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, StartPoints
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.standing import space_for
-from rota.planners.patrol.methods.large.cells import entered_in, missions_of
+from rota.planners.patrol.methods.large.cells import missions_of, where_robots_come
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 OUTSIDE, NICHE = (1.0, 1.0), (9.0, 4.0)
@@ -134,7 +134,7 @@ def test_pieces_of_large_ground_have_entrances_of_their_own_to_what_ways_lead_to
     mission = yard(0.3, entrances=(OUTSIDE,), sensor=DiscSensor(radius_m=2.0))
     mission = replace(mission, area=ground, obstacles=(Obstacle(shape=MultiPolygon([room])),))
     problem = set_up_problem(mission)
-    pieces = missions_of(mission, 6, 4.0, entered_in(problem))
+    pieces = missions_of(mission, 6, 4.0, where_robots_come(problem))
     assert len(pieces) == 6
     assert sum(entrance == OUTSIDE for piece in pieces for entrance in piece.fleet.entrances or ()) == 0
     for piece in pieces:

@@ -83,9 +83,9 @@ class PatrolPlanner(Planner):
 
     def left_out(self, mission: Mission) -> str | None:
         """Ground that nobody can see from where robots can be."""
-        from rota.planners.patrol.left_out import left_out_sentence
+        from rota.planners.patrol.left_out import sentence_of_what_is_left_out
 
-        return left_out_sentence(mission)
+        return sentence_of_what_is_left_out(mission)
 
     def long_work(self, mission: Mission) -> Iterator[str]:
         """Large ground, many robots, many corners and slow turning."""

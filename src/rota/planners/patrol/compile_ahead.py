@@ -32,12 +32,12 @@ def bending() -> None:
     best_sightings.compile_entry(typeof(legs), FLOAT, samples, typeof(np.zeros(0, np.int32)), typeof(best))
 
 
-def bound() -> None:
+def compile_bound() -> None:
     """What proves how many robots are needed, with what places see round corners."""
     prove_bound(_yard())
 
 
-PARTS = (longest_moves, ground, moves, bending, bound)
+PARTS = (longest_moves, ground, moves, bending, compile_bound)
 
 
 def _yard() -> Problem:

@@ -8,12 +8,12 @@ from rota.model.mission import Mission, inner_reach_m
 from rota.planners.patrol.ground.problem import common_robot, range_margin
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import has_many_corners, space_for
-from rota.planners.patrol.ground.unseeable import MOST_EXCLUDED, all_asked, in_words, unseeable_ground
+from rota.planners.patrol.ground.unseeable import MOST_EXCLUDED, ground_asked_for, in_words, unseeable_ground
 
 LEAST_M2 = 0.01  # that is told
 
 
-def left_out_sentence(mission: Mission) -> str | None:
+def sentence_of_what_is_left_out(mission: Mission) -> str | None:
     """How much nobody can see of what is asked, and where; None for none, and where planning ends with it in any case.
 
     None as well over ground with so many corners that to know takes as long as planning: the check tells of it.
@@ -25,7 +25,7 @@ def left_out_sentence(mission: Mission) -> str | None:
         space = space_for(mission, regions, robot, range_margin(inner_reach_m(robot.sensor)))
     except NoPlanFound:
         return None
-    asked = all_asked(regions)
+    asked = ground_asked_for(regions)
     found = unseeable_ground(asked, Sight(space.sure, sight_walls(mission), robot, 0.0))
     if not LEAST_M2 <= found.m2 <= MOST_EXCLUDED * asked.area:
         return None

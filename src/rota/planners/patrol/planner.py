@@ -21,17 +21,17 @@ from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
-from rota.planners.patrol.methods.fewest.one_fewer import thinned
+from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
 from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
-from rota.planners.patrol.methods.sweeping.first_plan import swept
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.tight_corners import require_corners_in_reach
-from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
+from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
 from rota.planning.progress import Watch
@@ -67,14 +67,14 @@ def plan_patrol(
             should_stop=should_stop, watch=watch, executor=executor,
         )  # fmt: skip
     except NoPlanFound as failure:
-        raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
+        raise NoPlanFound(str(failure), best=lead_from_starts_asked(failure.best, mission)) from failure
     plan = plans[0]
     if mission.has_starts:
         progress(0.95, "leading the robots from their starts")
         try:
             plan = first_led(plans, tight, judge)
         except NoPlanFound as failure:
-            raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
+            raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure
     final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
     margin_m = PatrolSettings.of(mission).range_margin_m
     if margin_m > 0 and (verdict := judge(final)).verdict != "met":
@@ -118,7 +118,7 @@ def plan_tours(
     def search(problem: Problem) -> Context:
         return begin_search(
             problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            executor=executor, prove=prove_nothing if should_stop() else bound_to_begin_with(problem),
+            executor=executor, prove=prove_nothing if should_stop() else first_bound_proof(problem),
         )  # fmt: skip
 
     context = search(problem)
@@ -130,15 +130,15 @@ def plan_tours(
         return [plan_fixed_team(context, asked, method)]
     best = method(context)
     if problem.mission is not mission:
-        best = as_asked_for(best, mission)
+        best = for_mission(best, mission)
         if not best.met and not should_stop() and never_seen(best.verdict) is None:
             context = search(set_up_problem(mission))
             best = reduce_team(context, best)
     if context.proves_later:
-        context = replace(context, bound=bound_of(best.plan), proves_later=False)  # proved on its way
+        context = replace(context, bound=claimed_bound(best.plan), proves_later=False)  # proved on its way
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
-        best = swept(context, QUICK) or best
+        best = sweep(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
     context = replace(context, progress=share_of_progress(progress, SEARCHED, 0.97))
@@ -172,7 +172,7 @@ def first_tours_do(problem: Problem) -> bool:
     return not is_wide(problem, effort.districts) and perfect_lanes(problem) < effort.districts.many_robots / 2
 
 
-def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
+def first_bound_proof(problem: Problem) -> Callable[[Problem], ProvedBound]:
     """The proof that the search begins with; the best bound is proved as soon as there are tours.
 
     Lanes over all of the ground need no bound but that of the area, and the first tours over ragged ground need none.
@@ -185,7 +185,7 @@ def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
     return prove_by_area if is_searched and is_small else prove_bound
 
 
-def as_asked_for(found: Repaired, mission: Mission) -> Repaired:
+def for_mission(found: Repaired, mission: Mission) -> Repaired:
     """The same as a plan for this mission, which differs in its effort only."""
     return replace(found, plan=replace(found.plan, mission=mission))
 
@@ -206,7 +206,7 @@ def what_helps(mission: Mission, verdict: Verdict) -> str:
     return f"; ({x:.2f}, {y:.2f}) is never seen: on a scanned floor {pockets}close_gaps_m of the map leaves out nooks"
 
 
-def bound_of(plan: Plan) -> ProvedBound:
+def claimed_bound(plan: Plan) -> ProvedBound:
     """What a plan claims is proved."""
     return ProvedBound(robots=plan.lower_bound_robots or 0, reason=plan.lower_bound_reason or "")
 
@@ -218,7 +218,7 @@ def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Rep
     other in more than a period are fewer yet, and their loops stay as long as that makes them.
     """
     better = with_better_loops(context, best)
-    fewer = thinned(context, better)
+    fewer = leave_out_needless_robots(context, better)
     if fewer is not better and not context.should_stop():
         best, better = fewer, with_better_loops(context, fewer)
     farther_apart = with_longer_headways(context, better)
@@ -229,20 +229,20 @@ def first_led(plans: list[Plan], mission: Mission, judge: Judge) -> Plan:
     """The first of the plans whose loops can be reached from the mission's starts; NoPlanFound where none can."""
     for plan in plans[:-1]:
         with suppress(NoPlanFound):
-            return led_from_starts(plan, mission, judge)
-    return led_from_starts(plans[-1], mission, judge)
+            return lead_from_starts(plan, mission, judge)
+    return lead_from_starts(plans[-1], mission, judge)
 
 
-def as_asked(best: object | None, mission: Mission) -> Plan | None:
+def answer_for(best: object | None, mission: Mission) -> Plan | None:
     """The best plan found for the searched mission as one for the mission asked."""
     return replace(best, mission=mission) if isinstance(best, Plan) else None
 
 
-def led_as_asked(best: object | None, mission: Mission) -> Plan | None:
+def lead_from_starts_asked(best: object | None, mission: Mission) -> Plan | None:
     """The best plan found for the searched mission, led from the asked mission's starts as far as that can be."""
     if not isinstance(best, Plan) or not mission.has_starts:
-        return as_asked(best, mission)
+        return answer_for(best, mission)
     try:
-        return led_from_starts(best, mission, judge=None)
+        return lead_from_starts(best, mission, judge=None)
     except NoPlanFound as failure:
-        return as_asked(failure.best, mission)
+        return answer_for(failure.best, mission)

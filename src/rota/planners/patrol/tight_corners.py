@@ -46,10 +46,12 @@ def require_corners_in_reach(mission: Mission) -> None:
     asked = shapely.union_all([region.shape for region in regions])
     left = polygons_of(shapely.difference(asked, near), LEAST_SHARE * math.pi * reach_m**2)
     if not left.is_empty:
-        raise NoPlanFound(_told(left, asked, middles, radius_m=radius_m, reach_m=reach_m))
+        raise NoPlanFound(_sentence(left, asked, middles, radius_m=radius_m, reach_m=reach_m))
 
 
-def _told(left: MultiPolygon, asked: BaseGeometry, middles: BaseGeometry, *, radius_m: float, reach_m: float) -> str:
+def _sentence(
+    left: MultiPolygon, asked: BaseGeometry, middles: BaseGeometry, *, radius_m: float, reach_m: float
+) -> str:
     """How much is out of reach, where, by how much, and what helps."""
     corners_m = shapely.get_coordinates(left)
     away_m = shapely.distance(middles, shapely.points(corners_m)) - radius_m

@@ -119,7 +119,7 @@ class Verdict(Protocol):
 Judge = Callable[[Plan], Verdict]
 
 
-def counted(robots: int) -> str:
+def robots_in_words(robots: int) -> str:
     """The number of robots, in words."""
     return "1 robot" if robots == 1 else f"{robots} robots"
 
@@ -129,7 +129,7 @@ def worst_demand(verdict: Verdict) -> DemandOutcome | None:
     return max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
 
 
-def demanded(demand: DemandOutcome) -> str:
+def demand_in_words(demand: DemandOutcome) -> str:
     """What a demand is about, in words: the area, or a zone by its name."""
     return "the area" if demand.name == AREA else repr(demand.name)
 
@@ -146,8 +146,8 @@ def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
-        return touching(verdict) or excluded(verdict) or "the check finds the routes themselves at fault"
-    what, period_s = demanded(worst), worst.period_s
+        return touching(verdict) or excess_of_unseeable(verdict) or "the check finds the routes themselves at fault"
+    what, period_s = demand_in_words(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"
     if worst.worst_gap_at_least_s > period_s:
@@ -156,7 +156,7 @@ def worst_reached(verdict: Verdict) -> str:
     return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
 
 
-def excluded(verdict: Verdict) -> str | None:
+def excess_of_unseeable(verdict: Verdict) -> str | None:
     """How much more ground nobody can see than a plan may leave out; None when it is not more."""
     for fault in verdict.violations:
         if fault.kind == "unseeable":
@@ -181,8 +181,8 @@ def touching(verdict: Verdict) -> str | None:
 
 def unmet_reason(plan: Plan, verdict: Verdict) -> str:
     """Why the best plan is none: the demand that it misses most, by how much, and the proved bound."""
-    robots = counted(len(plan.trajectories))
+    robots = robots_in_words(len(plan.trajectories))
     return (
         f"the best plan found, with {robots}, does not meet the demand: {worst_reached(verdict)};"
-        f" proved: at least {counted(plan.lower_bound_robots or 0)}: {plan.lower_bound_reason}"
+        f" proved: at least {robots_in_words(plan.lower_bound_robots or 0)}: {plan.lower_bound_reason}"
     )

@@ -19,7 +19,7 @@ from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, Squ
 from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.annealing import search as searching
 from rota.planners.patrol.annealing.chain_kernels import range_m
-from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_leg, unseen_near
+from rota.planners.patrol.annealing.estimate_kernels import least_loss, note_leg, unseen_near
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.state import ACCEPTED, SLOTS_LEFT, VERTEX, VERTICES, VERTICES_LEFT, Tours
@@ -27,7 +27,7 @@ from rota.planners.patrol.annealing.state_kernels import bucket_of, tour_length
 from rota.planners.patrol.annealing.turn_kernels import turning_m
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import split_legs, turns_rad, without_repeats
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.initial.first_tours import first_tours
@@ -178,7 +178,7 @@ def problem(sensor: Sensor = ROBOT.sensor, **turning_and_body: Any) -> Problem:
 def started(given: Problem, seed: int = 1, budget_penalty: float = 4.0) -> Annealing:
     groups = tuple((c,) for c in range(len(given.periods_s)))
     tours = first_tours(given, groups)
-    _, samples = prepared_with(given, no_points())
+    _, samples = prepare_with(given, no_points())
     return Annealing(
         tours,
         samples,
@@ -343,7 +343,7 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
         note_leg(np.int64(0), *a, x, y, state)
         note_leg(np.int64(1), x, y, *c, state)
         slots = {int(state.slot[p]), int(state.slot[v])}
-        estimate = [lost_at_least(s, np.int64(2), range_m(k, state), math.inf, samples, state) for s in slots]
+        estimate = [least_loss(s, np.int64(2), range_m(k, state), math.inf, samples, state) for s in slots]
         lost_m = samples.weight[(times == old) & (old > 0) & (new == 0)].sum()
         assert sum(estimate) <= lost_m + 1e-9
         lost, estimated = lost + lost_m, estimated + sum(estimate)
@@ -378,7 +378,7 @@ def test_what_a_tour_may_not_serve_it_does_not_count() -> None:
 
 def test_tours_of_one_vertex_grow_and_are_counted() -> None:
     given = problem()
-    _, samples = prepared_with(given, no_points())
+    _, samples = prepare_with(given, no_points())
     alone = [
         tour([[5, 5]], robot=given.robot, period_s=60),
         tour([[30, 20]], robot=given.robot, period_s=60, period_class=1),
@@ -397,7 +397,7 @@ def test_tours_of_one_vertex_grow_and_are_counted() -> None:
 
 def test_samples_that_hundreds_of_legs_see_are_counted() -> None:
     given = problem()
-    _, samples = prepared_with(given, no_points())
+    _, samples = prepare_with(given, no_points())
     rng = np.random.default_rng(3)
     heap = [tour(rng.uniform(2, 9, (8, 2)), robot=given.robot, period_s=60) for _ in range(40)]
     search = Annealing(

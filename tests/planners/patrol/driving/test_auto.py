@@ -57,7 +57,7 @@ def test_a_start_at_a_corner_is_in_phase_and_keeps_the_limits(name: str) -> None
     for ring in rings(20):
         line = made.timed(ring)
         phase_s = float(rng.uniform(0, line.duration_s))
-        begun = made.begun_at_a_corner("robot-1", ring, phase_s)
+        begun = made.begin_at_a_corner("robot-1", ring, phase_s)
         assert begun is not None
         assert acceleration_violations(begun, copter(name)) == []
         # from the first corner on it is where a robot is that was under way all the time
@@ -73,7 +73,7 @@ def test_what_is_flown_is_what_is_planned() -> None:
     for name in ("arducopter", "arducopter-tuned"):
         made = driving(name)
         for ring in rings(6):
-            begun = made.begun_at_a_corner("robot-1", ring, 0.0)
+            begun = made.begin_at_a_corner("robot-1", ring, 0.0)
             assert begun is not None
             route = route_of(begun, 25.0)
             motion = made.model.drive(Way(robot="robot-1", once=route.once, every_round=route.every_round), Wind())
@@ -86,7 +86,7 @@ def test_what_is_flown_is_what_is_planned() -> None:
 def test_the_route_is_the_corners_in_turn_after_one_wait() -> None:
     ring = np.array([[0.0, 0], [60, 0], [60, 40], [30, 20], [0, 40]])
     made = driving("arducopter-tuned")
-    begun = made.begun_at_a_corner("robot-1", ring, made.timed(ring).duration_s / 2)
+    begun = made.begin_at_a_corner("robot-1", ring, made.timed(ring).duration_s / 2)
     assert begun is not None
     route = route_of(begun, 25.0)
     places = [stop.place_m[:2] for stop in (*route.once, *route.every_round)]
@@ -106,6 +106,6 @@ def test_blends_that_nearly_meet_leave_no_leg_too_short_for_its_windows(name: st
         legs_m = leg_m * rng.uniform(0.9, 1.1, (40, 1))
         ring = np.cumsum(legs_m * np.column_stack([np.cos(turns), np.sin(turns)]), axis=0)
         for phase_s in (0.0, float(rng.uniform(0, 100))):
-            begun = made.begun_at_a_corner("robot-1", ring, phase_s)
+            begun = made.begin_at_a_corner("robot-1", ring, phase_s)
             assert begun is not None
             assert acceleration_violations(begun, copter(name)) == []

@@ -16,7 +16,7 @@ from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.rounded import Rounded
-from rota.planners.patrol.driving.timed_line import TimedLine, started_at
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at
 from rota.planners.patrol.tours.timetable import as_trajectories
 
 Floats = NDArray[np.float64]
@@ -149,10 +149,10 @@ def test_a_loop_may_begin_in_the_midst_of_any_leg() -> None:
     for _ in range(20):
         line = driving_of(one).timed(rng.uniform(0, 60, (6, 2)))
         for phase_s in rng.uniform(0, line.duration_s, 10):
-            (begun,) = as_trajectories([started_at(line, float(phase_s))], ["r"])
+            (begun,) = as_trajectories([start_at(line, float(phase_s))], ["r"])
             assert acceleration_violations(begun, one) == []
             # and what cannot be driven is found wherever it begins: a tenth faster
-            faster = started_at(line, float(phase_s))
+            faster = start_at(line, float(phase_s))
             hurried = TimedLine(faster.times_s / 1.1, faster.places_m, faster.accelerations_m_s2 * 1.21)
             (begun,) = as_trajectories([hurried], ["r"])
             assert acceleration_violations(begun, one)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.samples import points_of, prepare
-from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, turned
+from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_from_x
 
 Floats = NDArray[np.float64]
 
@@ -57,11 +57,11 @@ def test_depths_of_a_point_before_a_wall() -> None:
     wall = np.array([[-10.0, 2.0, 10.0, 2.0]])
     start, item = np.array([0, 1]), np.array([0])
     clear, blocked = np.sqrt(depths(np.zeros((1, 2)), start, item, wall)[0])
-    up = int(turned(0.0, 1.0))  # the sector that begins straight ahead
+    up = int(sectors_from_x(0.0, 1.0))  # the sector that begins straight ahead
     assert clear[up] == pytest.approx(2.0, rel=1e-4)
     width = np.pi / 2 - np.arctan2(1 - 4 / DEPTH_SECTORS, 4 / DEPTH_SECTORS)
     assert blocked[up] == pytest.approx(2 / np.cos(width), rel=1e-4)
-    down = int(turned(0.0, -1.0))
+    down = int(sectors_from_x(0.0, -1.0))
     assert np.isinf([clear[down], blocked[down]]).all()
 
 

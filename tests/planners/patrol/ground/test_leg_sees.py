@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import border_segments
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
-from rota.planners.patrol.ground.samples import SamplePoints, joined, lattice_places, points_of, prepare
+from rota.planners.patrol.ground.samples import SamplePoints, join, lattice_places, points_of, prepare
 from rota.planners.patrol.ground.sight_kernels import Line, range_interval
 
 Floats = NDArray[np.float64]
@@ -101,7 +101,7 @@ def random_points(rng: np.random.Generator, n: int) -> SamplePoints:
         points_of(rng.uniform(0, 30, (n // 4, 2)), 1.0, 2, 2, visit_m=2.5),
         points_of(rng.uniform(0, 30, (n // 4, 2)), 1.0, 0, 3, visit_m=9.0),  # farther than the sensor sees
     ]
-    return joined(parts)
+    return join(parts)
 
 
 def random_walls(rng: np.random.Generator, n: int) -> Floats:
@@ -274,7 +274,7 @@ def test_rows_of_lattices_see_what_single_points_see(square: int) -> None:
             [box(x, y, x + w, y + 3) for (x, y), w in zip(corners, rng.uniform(1, 7, len(corners)), strict=True)]
         )
         parts = [box(0, 0, 15, 34).difference(blocks), box(15, 0, 34, 34).difference(blocks)]
-        points = joined([lattice_of(part, 0.7 + 0.2 * i, i, i, 0.1 * i) for i, part in enumerate(parts)])
+        points = join([lattice_of(part, 0.7 + 0.2 * i, i, i, 0.1 * i) for i, part in enumerate(parts)])
         # a few of them are missing, as those are that nobody can see
         points = points[np.flatnonzero(rng.random(len(points)) < 0.97)]
         walls = border_segments(blocks)

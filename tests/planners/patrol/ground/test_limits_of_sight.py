@@ -16,7 +16,7 @@ from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sens
 from rota.planners.patrol.ground.limits_of_sight import (
     FEW_CORNERS,
     area_in_range,
-    drawn_to_border,
+    draw_to_border,
     limit_is_asked_for,
     limit_points,
     with_reach_for,
@@ -116,7 +116,7 @@ def test_legs_beside_the_border_are_drawn_onto_it() -> None:
     around = np.array([[4.0, 3.999], [9, 3.996], [9.002, 9.5], [6, 9.503], [3.0, 12.0], [3.999, 6.0]])
     tour = Tour(vertices_m=around, period_class=0, period_s=60, robots=1, robot=DISC)
     border = shapely.get_coordinates(shapely.segmentize(CLOSED.boundary, 0.4))
-    (drawn,) = drawn_to_border([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
+    (drawn,) = draw_to_border([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
     far = shapely.distance(shapely.points(drawn.vertices_m), shapely.boundary(CLOSED))
     assert ((far < 1e-12) | (far > 1)).all()
     assert (far > 1).sum() == 1
@@ -124,9 +124,9 @@ def test_legs_beside_the_border_are_drawn_onto_it() -> None:
     legs = [shapely.LineString([a, b]) for a, b in zip(drawn.vertices_m, np.roll(drawn.vertices_m, -1, 0), strict=True)]
     assert not any(leg.relate_pattern(CLOSED, "T********") for leg in legs)
     # where all is seen from elsewhere, nothing moves
-    (same,) = drawn_to_border([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
+    (same,) = draw_to_border([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
     assert same is tour
-    (same,) = drawn_to_border([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
+    (same,) = draw_to_border([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
     assert same is tour
 
 

@@ -14,14 +14,14 @@ from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.planners.patrol.ground.sample_kernels import Leg, leg_sees
 from rota.planners.patrol.ground.samples import (
     border,
-    joined,
+    join,
     known_walls,
     lattice,
     one_a_cell,
     points_of,
     prepare,
     region_points,
-    thinned,
+    thin,
     visit_point,
     walls_in_reach,
 )
@@ -97,7 +97,7 @@ def test_the_points_of_a_region() -> None:
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_quarter_of_the_points_stands_for_all(shape: MultiPolygon) -> None:
     points = region_points(region(shape), 0, 0, shape, spacing_m=0.1, shrink_m=0.02, inset_m=0.01)
-    few = thinned(points)
+    few = thin(points)
     inside, kept = points.row >= 0, few.row >= 0
     assert kept.sum() == pytest.approx(inside.sum() / 4, rel=0.05)
     assert few.area_m2[kept].sum() == pytest.approx(points.area_m2[inside].sum(), rel=0.05)
@@ -142,13 +142,13 @@ def test_a_zone_is_visited_where_robots_can_be() -> None:
 def test_joining_and_selecting() -> None:
     one = points_of(np.array([[1.0, 2], [3, 4]]), 0.5, 1, 7, shrink_m=0.1)
     two = points_of(np.array([[5.0, 6]]), 2.0, 0, 8, visit_m=1.5)
-    both = joined([one, points_of(np.zeros((0, 2)), 0.0, 0, 0), two])
+    both = join([one, points_of(np.zeros((0, 2)), 0.0, 0, 0), two])
     assert len(both) == 3
     assert both.xy_m.tolist() == [[1, 2], [3, 4], [5, 6]]
     assert both.region.tolist() == [7, 7, 8]
     last = both[np.array([2, 0])]
     assert (last.area_m2.tolist(), last.visit_m.tolist(), last.period.tolist()) == ([2, 0.5], [1.5, 0], [0, 1])
-    assert len(joined([points_of(np.zeros((0, 2)), 0.0, 0, 0)])) == 0
+    assert len(join([points_of(np.zeros((0, 2)), 0.0, 0, 0)])) == 0
 
 
 def blocks(rng: np.random.Generator, n: int) -> MultiPolygon:
@@ -195,7 +195,7 @@ def test_walls_in_reach_are_in_reach_and_enough() -> None:
 
 
 def test_no_wall_hides_a_visit_and_where_there_are_none_none_is_kept() -> None:
-    points = joined([points_of(np.array([[0.0, 0]]), 1.0, 0, 0), points_of(np.array([[0.0, 0]]), 1.0, 0, 0, visit_m=2)])
+    points = join([points_of(np.array([[0.0, 0]]), 1.0, 0, 0), points_of(np.array([[0.0, 0]]), 1.0, 0, 0, visit_m=2)])
     wall = np.array([[-1.0, 1, 1, 1]])
     start, items = walls_in_reach(points, wall, 5.0)
     assert (start.tolist(), items.tolist()) == ([0, 1, 1], [0])
@@ -207,7 +207,7 @@ def test_no_wall_hides_a_visit_and_where_there_are_none_none_is_kept() -> None:
 def test_prepared_points_are_sorted_by_bins() -> None:
     rng = np.random.default_rng(7)
     visits = points_of(rng.uniform(-5, 9, (3, 2)), 1.0, 0, 1, visit_m=6)
-    points = joined([points_of(rng.uniform(-5, 40, (200, 2)), 1.0, 1, 0), visits])
+    points = join([points_of(rng.uniform(-5, 40, (200, 2)), 1.0, 1, 0), visits])
     weight = rng.uniform(0, 1, 203)
     walls = np.array([[0.0, 0, 3, 4]])
     samples, order = prepare(points, walls, reach_m=4.0, weight=weight, wall_margin_m=0.1)
@@ -234,7 +234,7 @@ def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -
     first, second = (points_of(rng.uniform(0, 20, (n, 2)), 1.0, 0, 0) for n in (70, 40))
     settings = {"reach_m": 4.0, "wall_margin_m": 0.01}
     known, order = prepare(first, walls, weight=np.ones(70), **settings)
-    both = joined([first[order], second])
+    both = join([first[order], second])
     weight = rng.uniform(1, 2, 110)
     at_once, one = prepare(both, walls, weight=weight, **settings)
     in_steps, other = prepare(both, walls, weight=weight, known=known_walls(known), **settings)

@@ -20,7 +20,7 @@ from rota import NoPlanFound, check_plan, make_plan
 from rota.files.mission_file import read_mission
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.left_out import left_out_sentence
+from rota.planners.patrol.left_out import sentence_of_what_is_left_out
 
 DISC, SQUARE = DiscSensor(radius_m=5), SquareSensor(side_m=10)
 BLOCK = box(30, 10, 80, 55)
@@ -116,7 +116,7 @@ def test_nooks_beside_ground_that_is_seen_are_counted_each() -> None:
     shells = [box(x, y, x + 0.8, y + 0.8) - box(x + 0.1, y + 0.1, x + 0.7, y + 0.7)
               for x in np.arange(4.2, 96, 9.3) for y in np.arange(4.3, 56, 5.7)]  # fmt: skip
     walls = Obstacle(shape=MultiPolygon(shells))
-    sentence = left_out_sentence(replace(field(body_radius_m=0.4), obstacles=(walls,)))
+    sentence = sentence_of_what_is_left_out(replace(field(body_radius_m=0.4), obstacles=(walls,)))
     assert sentence is not None
     assert float(sentence.split()[1]) == pytest.approx(0.36 * len(shells), rel=0.02)
 

@@ -15,12 +15,12 @@ from rota.check import check_plan
 from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.efforts import ESTIMATES, QUICK
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.initial.allocation import nested_allocations, nesting_bases, period_groupings
 from rota.planners.patrol.initial.nested_loops import (
     excursions,
-    nested,
+    nest_tours,
     petals_of,
     separate_petals,
     spare_m,
@@ -30,7 +30,6 @@ from rota.planners.patrol.settings import ExcursionEstimate
 from rota.planners.patrol.tours.timetable import paced_timetable
 from rota.planners.patrol.tours.tour import (
     Tour,
-    driven,
     excesses,
     hubs_and_petals,
     meeting,
@@ -39,6 +38,7 @@ from rota.planners.patrol.tours.tour import (
     room_m,
     rounds_more,
     tour_length_m,
+    unfold_nests,
 )
 
 USUAL = ESTIMATES[0]
@@ -104,7 +104,7 @@ def test_a_nest_is_one_robots(problem: Problem) -> None:
 
 
 def test_the_robot_goes_round_the_hub_between_its_excursions(problem: Problem) -> None:
-    loop, other = driven(nest(problem))
+    loop, other = unfold_nests(nest(problem))
     hub = [[9, 3], [3, 3], [3, 9], [9, 9]]
     assert loop.vertices_m.tolist() == [*hub, [9, 3], [15, 3], *hub, [9, 3], [17, 3]]
     assert tour_length_m(loop) == pytest.approx(2 * 24 + 12 + 16)  # the round with an empty petal is left out
@@ -122,13 +122,13 @@ def test_the_robot_goes_round_the_hub_between_its_excursions(problem: Problem) -
 def test_a_hub_without_excursions_is_a_loop_of_its_own(problem: Problem) -> None:
     hub, *petals, _ = nest(problem)
     empty = [replace(petal, vertices_m=petal.vertices_m[:1]) for petal in petals]
-    [loop] = driven([hub, *empty])
+    [loop] = unfold_nests([hub, *empty])
     assert loop.vertices_m.tolist() == hub.vertices_m.tolist()
     assert (loop.period_s, loop.nest) == (hub.period_s, -1)
 
 
 def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem) -> None:
-    _, samples = prepared_with(problem, no_points())
+    _, samples = prepare_with(problem, no_points())
     tours = nest(problem)[:4]
     search = Annealing(
         tours, samples, problem.paths.grid, length_weight=np.full(4, 0.3), budget_penalty=np.full(4, 6.0), seed=2,
@@ -155,7 +155,7 @@ def test_petals_from_different_vertices_take_one_round_more(problem: Problem) ->
     assert rounds_more(nest(problem), [1, 2, 3]) == 0
     # 24 m of hub in every round, petals of 4 and 12 m, and 24 m more to come to both of them
     assert [excess for excess, _ in excesses(tours)] == pytest.approx([28 - 40, 36 - 40, 88 - 120], abs=1e-3)
-    [loop] = driven(tours)
+    [loop] = unfold_nests(tours)
     from_first, from_third = [[9, 3], [3, 3], [3, 9], [9, 9]], [[3, 9], [9, 9], [9, 3], [3, 3]]
     first, third = [[9, 3], [15, 3]], [[3, 9], [3, 11]]
     on_to_first, on_to_third = [[3, 9], [9, 9]], [[9, 3], [3, 3]]
@@ -177,7 +177,7 @@ def test_no_place_of_the_hub_waits_for_more_than_a_round_and_a_petal(problem: Pr
         ring(problem, [hub.vertices_m[rng.integers(n)].tolist(), *rng.uniform(0, 10, (2, 2)).tolist()], nest=0)
         for _ in range(int(rng.integers(1, 6)))
     ]
-    [loop] = driven([hub, *petals])
+    [loop] = unfold_nests([hub, *petals])
     hub_m, petals_m = tour_length_m(hub), [tour_length_m(petal) for petal in petals]
     more = rounds_more([hub, *petals], range(1, 1 + len(petals)))
     assert more == (len({meeting(hub.vertices_m, petal.vertices_m) for petal in petals}) > 1)
@@ -192,7 +192,7 @@ def test_no_place_of_the_hub_waits_for_more_than_a_round_and_a_petal(problem: Pr
 
 
 def test_petals_find_their_own_vertices_of_the_hub(problem: Problem) -> None:
-    _, samples = prepared_with(problem, no_points())
+    _, samples = prepare_with(problem, no_points())
     tours = nest(problem)[:4]
     tours[2] = replace(tours[2], vertices_m=np.array([[3.0, 9.0], [12.0, 10.0]]))
     begins: list[list[int]] = []
@@ -254,7 +254,7 @@ def test_metres_of_excursions_as_generously_as_the_estimate_says(problem: Proble
 @pytest.mark.parametrize("robots", [2, 3, 4])
 def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: int) -> None:
     hub, *petals, _ = nest(problem)
-    loops = driven([replace(hub, robots=robots), *petals])
+    loops = unfold_nests([replace(hub, robots=robots), *petals])
     assert [loop.robots for loop in loops] == [1] * robots
     # a round takes as long as the longest: 24 + 16 m; three petals come round after three rounds of the whole hub
     starts_s: list[float] = []
@@ -277,7 +277,7 @@ def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: in
 def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> None:
     grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
     one_each = [replace(t, robots=1) for t in grouping.tours]
-    found = nested(
+    found = nest_tours(
         problem, grouping.groups, one_each, grouping.ideal_m, least_slack=1.0, separate=False, estimate=USUAL
     )
     assert found is not None
@@ -285,7 +285,7 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
     spare = spare_m(one_each[0], grouping.ideal_m[0], 60.0, USUAL)
     assert slack == pytest.approx((one_each[1].budget_m + spare) / grouping.ideal_m[1])
     assert (
-        nested(
+        nest_tours(
             problem,
             grouping.groups,
             one_each,
@@ -307,7 +307,7 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
 def test_separate_excursions_begin_where_their_ground_is(problem: Problem) -> None:
     grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
     one_each = [replace(t, robots=1) for t in grouping.tours]
-    found = nested(problem, grouping.groups, one_each, grouping.ideal_m, **loops_of(1.0, separate=True))
+    found = nest_tours(problem, grouping.groups, one_each, grouping.ideal_m, **loops_of(1.0, separate=True))
     assert found is not None
     slack, (hub, *petals, _) = found
     count, spare = separate_petals(one_each[0], grouping.ideal_m[0], 60.0, 1.15)
@@ -319,7 +319,7 @@ def test_separate_excursions_begin_where_their_ground_is(problem: Problem) -> No
         assert away_m[own] < away_m.min() + problem.swath_m  # as near as any vertex is, but for the way there
     # where they cannot: robots that keep in step
     two = [replace(grouping.tours[0], robots=2), one_each[1]]
-    assert nested(problem, grouping.groups, two, grouping.ideal_m, **loops_of(1.0, separate=True)) is None
+    assert nest_tours(problem, grouping.groups, two, grouping.ideal_m, **loops_of(1.0, separate=True)) is None
 
 
 def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> None:
@@ -343,7 +343,7 @@ def test_quick_ground_that_takes_no_sweeping_may_have_a_nest_too(problem: Proble
     one_each = [replace(t, robots=1) for t in grouping.tours]
     visited = replace(grouping, tours=one_each, ideal_m=[0.0, grouping.ideal_m[1]])
     [allocation] = nested_allocations(problem, [visited], QUICK.allocation, least_slack=1.0)
-    found = nested(problem, visited.groups, one_each, visited.ideal_m, **loops_of(1.0))
+    found = nest_tours(problem, visited.groups, one_each, visited.ideal_m, **loops_of(1.0))
     assert found is not None
     assert allocation.slack == found[0]
 
@@ -369,7 +369,7 @@ def test_no_nest_where_the_slow_ground_is_one_place(problem: Problem) -> None:
     one_place = replace(grouping.groups[1], places=grouping.groups[1].places[:1])
     one_each = [replace(t, robots=1) for t in grouping.tours]
     assert (
-        nested(
+        nest_tours(
             problem,
             [grouping.groups[0], one_place],
             one_each,

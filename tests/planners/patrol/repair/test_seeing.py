@@ -11,8 +11,8 @@ from tests.planners.patrol.searching import search_on
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground import problem as ground_problem
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
-from rota.planners.patrol.ground.samples import SamplePoints, laid_out, points_of
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
+from rota.planners.patrol.ground.samples import SamplePoints, lay_out, points_of
 from rota.planners.patrol.repair.repair import seeing_missed
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest
 from rota.planners.patrol.tours.tour import Tour
@@ -43,13 +43,13 @@ def short_tour(context: Context) -> Tour:
 
 
 def unseen(context: Context, tours: list[Tour], points: SamplePoints) -> int:
-    _, samples, _ = laid_out(points, context.problem.walls, context.problem.robot)
+    _, samples, _ = lay_out(points, context.problem.walls, context.problem.robot)
     return annealing_of(context, tours, samples, length_weight=1.0, seed=0).unseen
 
 
 def test_detours_lead_to_all_samples_and_go_through_no_wall(hall: Context) -> None:
     assert hall.problem.is_ragged
-    points, samples = prepared_with(hall.problem, no_points())
+    points, samples = prepare_with(hall.problem, no_points())
     tours = [short_tour(hall)]
     assert unseen(hall, tours, points) > 100
     longer = led_to_the_rest(hall, tours, points, samples, seed=0)

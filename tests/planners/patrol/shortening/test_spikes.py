@@ -11,7 +11,7 @@ from tests.planners.patrol.searching import search_on
 
 from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.shortening.spikes import detours, samples_near, spikes, unseen_m2, without
 from rota.planners.patrol.tours.tour import Tour
@@ -45,7 +45,7 @@ def test_a_detour_over_ground_that_others_see_is_a_spike(context: Context) -> No
 def test_what_a_detour_alone_sees_is_told_by_the_samples_near_it(context: Context) -> None:
     problem = context.problem
     tour = tour_by(context, (2.0, 5.0), (2.2, 5.0), (8.0, 5.1), (2.2, 5.2), (2.2, 8.0), (1.8, 8.0))
-    points, samples = prepared_with(problem, no_points())
+    points, samples = prepare_with(problem, no_points())
     for spike in detours(problem, [tour]):
         near = samples_near(problem, tour, spike, points, samples)
         assert near is not None

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from shapely import LineString
 
 from rota.model.mission import DiscSensor, Fleet, Robot
-from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, thinned
-from rota.planners.patrol.driving.timed_line import started_at, steady
+from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, without_straight_vertices
+from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.tours.timetable import (
     as_trajectories,
     evenly_spaced,
     loop_timetable,
-    stretched,
+    stretch_line,
 )
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -76,7 +76,7 @@ def test_a_tour_without_length_is_a_robot_that_stays(vertices: list[list[float]]
     times, places, _ = loop_timetable(np.array(vertices), TURNING)
     assert times.tolist() == [0]
     assert places.tolist() == [[1, 2]]
-    line = stretched(steady(times, places), 7.0)
+    line = stretch_line(steady(times, places), 7.0)
     times = line.times_s
     assert times.tolist() == [0]
     (one,) = as_trajectories(evenly_spaced(line, 1), ["r"])
@@ -106,7 +106,7 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
         line = loop_timetable(ring, robot)
         natural, places, _ = line
         wanted = float(natural[-1]) * rng.uniform(1, 3)
-        times, same, _ = stretched(line, wanted)
+        times, same, _ = stretch_line(line, wanted)
         assert times[-1] == wanted  # to the last bit: loops with a common period depend on it
         assert same.tolist() == places.tolist()
         assert speeds(times, same).max() <= 2
@@ -114,7 +114,7 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
         still = (np.diff(places, axis=0) == 0).all(axis=1)
         assert np.diff(times)[still] == pytest.approx(np.diff(natural)[still])
         # what is asked for and cannot be reached is not pretended
-        too_short, *_ = stretched(line, 0.5 * float(natural[-1]))
+        too_short, *_ = stretch_line(line, 0.5 * float(natural[-1]))
         assert too_short[-1] == pytest.approx(natural[-1])
 
 
@@ -126,7 +126,7 @@ def test_thinning_keeps_the_line() -> None:
         crowded = []
         for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True):
             crowded += [a, a, a + 1e-7, *(a + t * (b - a) for t in np.sort(rng.uniform(0.01, 0.99, 3)))]
-        lean = thinned(np.array(crowded))
+        lean = without_straight_vertices(np.array(crowded))
         legs = np.hypot(*(np.roll(lean, -1, axis=0) - lean).T)
         assert legs.min() >= SHORTEST_LEG_M
         line, full = (LineString(np.vstack([xy, xy[:1]])) for xy in (lean, np.array(crowded)))
@@ -145,13 +145,13 @@ def test_between_two_corners_of_walls_that_nearly_touch_each_is_passed_slowly() 
 
 def test_thinning_by_hand() -> None:
     along = np.array([[0.0, 0], [1, 0], [3, 0], [6, 0], [6, 6], [0, 6], [0, 2]])
-    assert thinned(along).tolist() == SQUARE.tolist()
+    assert without_straight_vertices(along).tolist() == SQUARE.tolist()
     # there and back along one line: the two ends are the corners
-    assert thinned(np.array([[0.0, 0], [1, 0], [4, 0], [2, 0]])).tolist() == [[0, 0], [4, 0]]
+    assert without_straight_vertices(np.array([[0.0, 0], [1, 0], [4, 0], [2, 0]])).tolist() == [[0, 0], [4, 0]]
     # a spike is a corner, however thin
     spike = np.array([[0.0, 0], [2, 0], [2, 3], [2, 0], [4, 0], [2, -3]])
-    assert thinned(spike).tolist() == spike.tolist()
-    assert thinned(np.array([[5.0, 5]])).tolist() == [[5, 5]]
+    assert without_straight_vertices(spike).tolist() == spike.tolist()
+    assert without_straight_vertices(np.array([[5.0, 5]])).tolist() == [[5, 5]]
 
 
 @pytest.mark.parametrize("robot", [ROBOT, TURNING])
@@ -162,7 +162,7 @@ def test_a_round_begun_later_is_the_same_round(robot: Robot) -> None:
         duration = float(times[-1])
         on_a_vertex = float(times[rng.integers(0, len(times))])
         for phase in (rng.uniform(0, duration), on_a_vertex, on_a_vertex + 1e-12, -0.3 * duration, 2.7 * duration, 0.0):
-            later, there, _ = started_at(steady(times, places), phase)
+            later, there, _ = start_at(steady(times, places), phase)
             assert later[0] == 0
             assert later[-1] == duration  # bit for bit
             assert (np.diff(later) > 0).all()
@@ -192,7 +192,7 @@ def test_robots_of_a_tour_follow_each_other_at_equal_times() -> None:
 
 
 def test_offsets_shift_all_robots_of_their_tour() -> None:
-    slow = stretched(loop_timetable(SQUARE, ROBOT), 16.0)
+    slow = stretch_line(loop_timetable(SQUARE, ROBOT), 16.0)
     rounds = [
         *evenly_spaced(slow, 2, 1.0),
         *evenly_spaced(loop_timetable(SQUARE + 20, ROBOT), 1, 2.5),

@@ -16,11 +16,11 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
 
 
-@compiled
-def pinned(v: int, t: Tours) -> bool:
+@allocation_free
+def is_meeting_vertex(v: int, t: Tours) -> bool:
     """Whether vertex v is where a hub and petals of it meet: it moves only with all of them."""
     k = t.tour[v]
     if t.hub[k] != k:
@@ -31,7 +31,7 @@ def pinned(v: int, t: Tours) -> bool:
     return meets
 
 
-@compiled
+@allocation_free
 def meeting_with(k: int, meets: int, t: Tours) -> int:
     """The vertex of tour k, a hub or a petal of it, that lies at vertex ``meets`` of the hub; -1: none of it does."""
     if t.hub[k] == k:

@@ -22,7 +22,7 @@ from rota.planners.patrol.annealing.state_kernels import (
 )
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
 
 
 @noinline
@@ -103,7 +103,7 @@ def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def range_m(k: int, t: Tours) -> float:
     """How far tour k sees, in any direction."""
     return float(t.reach_m[k] * (1.4142135623730951 if t.square[k] else 1.0))
@@ -134,7 +134,7 @@ def new_chain(p: int, q: int, added: int, k: int, s: Samples, t: Tours) -> bool:
     return True
 
 
-@compiled
+@allocation_free
 def old_legs(p: int, count: int, s: Samples, t: Tours) -> None:
     """Take away what so many legs from vertex p on see."""
     v = p
@@ -143,7 +143,7 @@ def old_legs(p: int, count: int, s: Samples, t: Tours) -> None:
         v = t.after[v]
 
 
-@compiled
+@allocation_free
 def place_legs(p: int, first: int, count: int, t: Tours) -> None:
     """Give the legs from vertex p on the slots of the trial's new legs, beginning with number ``first``."""
     v = p
@@ -152,7 +152,7 @@ def place_legs(p: int, first: int, count: int, t: Tours) -> None:
         v = t.after[v]
 
 
-@compiled
+@allocation_free
 def link(a: int, b: int, t: Tours) -> None:
     """Let vertex b follow vertex a."""
     t.after[a] = b

@@ -13,7 +13,7 @@ import numpy as np
 from rota.compiled.bits import trailing_zeros
 from rota.planners.patrol.annealing.state import UNSEEN, Tours
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import inlined, noinline
+from rota.planners.patrol.ground.sight_kernels import always_inline, noinline
 
 WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of them
 NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
@@ -26,13 +26,13 @@ def words_for(samples: int, legs: int) -> tuple[int, int]:
     return samples // 64 + 1, 1 + max(4, legs.bit_length())
 
 
-@inlined
+@always_inline
 def lowest(bits: Any) -> Any:
     """The place of the lowest bit that is set; some are."""
     return trailing_zeros(bits)
 
 
-@inlined
+@always_inline
 def within(first: Any, end: Any, word: Any) -> Any:
     """The samples from ``first`` to before ``end`` in this word, which has some of them, as the bits of a number."""
     bits = ALL
@@ -99,8 +99,8 @@ def turn_seen(turned: Any, first: Any, step: int, s: Samples, t: Tours) -> None:
             t.unseen[0] += s.weight[i]
 
 
-@inlined
-def seen_once(first: Any, end: Any, word: Any, digits: Any) -> Any:
+@always_inline
+def bits_seen_once(first: Any, end: Any, word: Any, digits: Any) -> Any:
     """Those of the samples from ``first`` to before ``end`` in this word that one leg sees, as the bits of a number."""
     more = digits[word, TWOS] | digits[word, FOURS] | digits[word, MORE]
     return within(first, end, word) & digits[word, ONES] & ~more

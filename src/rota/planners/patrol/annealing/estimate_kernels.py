@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.planners.patrol.annealing.count_kernels import NONE, ONE, WORD, lowest, seen_once
+from rota.planners.patrol.annealing.count_kernels import NONE, ONE, WORD, bits_seen_once, lowest
 from rota.planners.patrol.annealing.state import RANGE, WEIGHT, Tours
 from rota.planners.patrol.annealing.state_kernels import SURE_M, bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, inlined, noinline
+from rota.planners.patrol.ground.sight_kernels import allocation_free, always_inline, noinline
 
 
 @noinline
@@ -41,9 +41,9 @@ def gain_at_most(p: int, q: int, added: int, t: Tours) -> float:
     return float(unseen_near(x0, y0, x1, y1, t))
 
 
-@compiled
+@allocation_free
 def note_leg(number: int, ax: float, ay: float, bx: float, by: float, t: Tours) -> None:
-    """Note a leg that a move would make, for ``lost_at_least``."""
+    """Note a leg that a move would make, for ``least_loss``."""
     leg = t.new_legs[number]
     dx, dy = bx - ax, by - ay
     aa = dx * dx + dy * dy
@@ -62,7 +62,7 @@ def note_chain(number: int, p: int, q: int, added: int, t: Tours) -> None:
 
 
 @noinline
-def lost_at_least(slot: int, legs: int, reach: float, most: float, s: Samples, t: Tours) -> float:
+def least_loss(slot: int, legs: int, reach: float, most: float, s: Samples, t: Tours) -> float:
     """Weight of samples that only the leg with this slot sees, and that none of the first noted legs reaches.
 
     Without a look at walls, which may hide more; nor is more counted than it takes to exceed ``most``.
@@ -72,19 +72,19 @@ def lost_at_least(slot: int, legs: int, reach: float, most: float, s: Samples, t
     for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
         first, end = Index(runs[j]), Index(runs[j + ONE])
         for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
-            once = seen_once(first, end, word, digits)
+            once = bits_seen_once(first, end, word, digits)
             while once != NONE:
                 i = np.int64((word << WORD) + lowest(once))
                 once &= once - ONE
-                if not reached(i, legs, reach, s, t):
+                if not is_in_reach_of_any(i, legs, reach, s, t):
                     lost += s.weight[i]
                     if lost > most:
                         return lost
     return lost
 
 
-@inlined
-def reached(i: int, legs: int, reach: float, s: Samples, t: Tours) -> bool:
+@always_inline
+def is_in_reach_of_any(i: int, legs: int, reach: float, s: Samples, t: Tours) -> bool:
     """Whether sample i is in range of any of the first noted legs."""
     x, y = s.x[i], s.y[i]
     far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]

@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, point_in_space
-from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
+from rota.planners.patrol.annealing.anchor_kernels import is_meeting_vertex, move_together
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.state import FULL, UNSEEN, VERTEX, VERTICES, Tours
 from rota.planners.patrol.annealing.state_kernels import apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
 
 ANCHOR_MOVES = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
@@ -36,8 +36,8 @@ class Schedule(NamedTuple):
     vertex_price: float
 
 
-@compiled
-def added_by(v: int, px: float, py: float, qx: float, qy: float, t: Tours) -> float:
+@allocation_free
+def cost_of_detour(v: int, px: float, py: float, qx: float, qy: float, t: Tours) -> float:
     """What it costs to lead leg v by the way p-q (either way round), the way itself not counted."""
     k, w = t.tour[v], t.after[v]
     ax, ay, bx, by = t.x[v], t.y[v], t.x[w], t.y[w]
@@ -69,10 +69,10 @@ def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class
                 while v >= 0:
                     k = t.tour[v]
                     if (tour < 0 or k == tour) and t.period_class[k] <= period_class:
-                        cost = added_by(v, px, py, qx, qy, t)
+                        cost = cost_of_detour(v, px, py, qx, qy, t)
                         if cost < best:
                             best, leg = cost, v
-                        cost = added_by(t.before[v], px, py, qx, qy, t)
+                        cost = cost_of_detour(t.before[v], px, py, qx, qy, t)
                         if cost < best:
                             best, leg = cost, t.before[v]
                     v = t.bucket_after[v]
@@ -162,7 +162,7 @@ def try_moving_stretch(v: int, limit: float, most_m: float, space: EdgeGrid, s: 
     for i in range(m):
         if i > 0:
             w = t.after[w]
-        if pinned(w, t):
+        if is_meeting_vertex(w, t):
             return
     # its own legs, which would always be the cheapest, stand aside for the search
     length_inside = norm(t.x[w] - t.x[v], t.y[w] - t.y[v])
@@ -192,7 +192,7 @@ def leg_elsewhere(v: int, w: int, t: Tours) -> int:
                             break
                         inside = t.after[inside]
                     if not own:
-                        cost = added_by(e, t.x[v], t.y[v], t.x[w], t.y[w], t)
+                        cost = cost_of_detour(e, t.x[v], t.y[v], t.x[w], t.y[w], t)
                         if cost < best:
                             best, leg = cost, e
                 u = t.bucket_after[u]
@@ -206,7 +206,7 @@ def shift(v: int, spread: float, limit: float, most_m: float, space: EdgeGrid, s
     t.new_y[0] = t.y[v] + spread * (2 * uniform(t.rng) - 1)
     if not point_in_space(t.new_x[0], t.new_y[0], space):
         return
-    if t.after[v] == v or pinned(v, t):
+    if t.after[v] == v or is_meeting_vertex(v, t):
         move_together(v, t.new_x[0], t.new_y[0], limit, most_m, space, s, t)
     else:
         change_legs(t.before[v], np.int64(1), np.int64(1), limit, most_m, space, s, t)
@@ -233,7 +233,7 @@ def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Sam
     elif kind < 0.40:
         try_moving_stretch(v, limit, most_m, space, s, t)
     elif kind < 0.56:
-        if t.after[v] != v and not pinned(v, t):
+        if t.after[v] != v and not is_meeting_vertex(v, t):
             change_legs(t.before[v], one, none, limit, most_m, space, s, t)
     elif kind < 0.92:
         spread = step_m * (1.0, 0.3, 0.08)[int(uniform(t.rng) * 3)]
@@ -246,7 +246,7 @@ def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Sam
             change_legs(v, none, one, limit, most_m, space, s, t)
 
 
-@compiled
+@allocation_free
 def anneal(
     first: int, count: int, schedule: Schedule, step_m: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
 ) -> int:

@@ -21,7 +21,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
 
 FARTHEST_STEPS = 8  # along its hub that an empty petal goes
 
@@ -48,7 +48,7 @@ def try_meeting_near(v: int, limit: float, most_m: float, space: EdgeGrid, s: Sa
     return bool(meets_at(k, u, v if ahead <= back else before, limit, most_m, space, s, t))
 
 
-@compiled
+@allocation_free
 def hub_vertex_near(v: int, t: Tours) -> int:
     """Any vertex, each as likely, of the hub of petal vertex v in its own bucket or those around; -1: none is there."""
     h = t.hub[t.tour[v]]

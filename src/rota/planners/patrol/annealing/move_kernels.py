@@ -26,7 +26,7 @@ from rota.planners.patrol.annealing.chain_kernels import (
 )
 from rota.planners.patrol.annealing.estimate_kernels import (
     gain_at_most,
-    lost_at_least,
+    least_loss,
     note_chain,
     note_leg,
     unseen_near,
@@ -44,7 +44,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline
 
 
 @noinline
@@ -85,7 +85,7 @@ def change_legs(
         note_chain(np.int64(0), p, q, added, t)
         v = p
         for _ in range(removed + 1):
-            spare -= lost_at_least(t.slot[v], added + 1, range_m(k, t), spare, s, t)
+            spare -= least_loss(t.slot[v], added + 1, range_m(k, t), spare, s, t)
             if spare < 0:
                 return False
             v = t.after[v]
@@ -129,8 +129,8 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
         return False
     note_leg(np.int64(0), t.x[a], t.y[a], t.x[c], t.y[c], t)
     note_leg(np.int64(1), t.x[b], t.y[b], t.x[d], t.y[d], t)
-    spare -= lost_at_least(t.slot[a], np.int64(2), range_m(k, t), spare, s, t)
-    if spare < 0 or spare < lost_at_least(t.slot[c], np.int64(2), range_m(k, t), spare, s, t):
+    spare -= least_loss(t.slot[a], np.int64(2), range_m(k, t), spare, s, t)
+    if spare < 0 or spare < least_loss(t.slot[c], np.int64(2), range_m(k, t), spare, s, t):
         return False
     if not segment_is_free(t.x[a], t.y[a], t.x[c], t.y[c], space):
         return False
@@ -171,7 +171,7 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
     return True
 
 
-@compiled
+@allocation_free
 def reverse(first: int, last: int, t: Tours) -> None:
     """Turn round the way from vertex ``first`` to vertex ``last``; the caller links its ends."""
     v = first
@@ -219,7 +219,7 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
     far = max(range_m(k, t), range_m(to, t))
     u = p
     for i in range(m + 2):
-        spare -= lost_at_least(t.slot[u if i <= m else e], m + 2, far, spare, s, t)
+        spare -= least_loss(t.slot[u if i <= m else e], m + 2, far, spare, s, t)
         if spare < 0:
             return False
         u = t.after[u]
@@ -250,7 +250,7 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
     return True
 
 
-@compiled
+@allocation_free
 def moved_cost(k: int, out_m: float, to: int, into_m: float, t: Tours) -> float:
     """What it costs if tour k becomes longer by ``out_m`` (less than 0) and tour ``to`` by ``into_m``."""
     if k == to:

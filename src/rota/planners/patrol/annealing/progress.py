@@ -10,7 +10,7 @@ from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planning.progress import SearchState
 
 
-def searched(context: Context, search: Annealing, points: SamplePoints) -> Callable[[int], None]:
+def progress_teller(context: Context, search: Annealing, points: SamplePoints) -> Callable[[int], None]:
     """What to call after every stretch of annealing: tells how the tours then stand, if anybody watches.
 
     points: the samples of the search, in its order.

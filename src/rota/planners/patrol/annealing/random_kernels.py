@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 
-@compiled
+@allocation_free
 def uniform(rng: Any) -> float:
     """One number in [0, 1) of an xorshift64* sequence: the same on every machine and thread."""
     s = rng[0]

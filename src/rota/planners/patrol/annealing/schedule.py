@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.annealing.progress import searched
+from rota.planners.patrol.annealing.progress import progress_teller
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.settings import AnnealingSettings, Stage
 from rota.planners.patrol.tours.tour import Tour
@@ -58,7 +58,7 @@ def anneal_tours(
     problem, settings = context.problem, context.settings.annealing
     stage = stage or Stage(settings.hot, context.coverage_weight, settings.reserve)
     coarse = coarse and problem.spacing_m <= settings.coarse_spacing / 2 * problem.reach_m
-    points, samples = prepared_with(problem, extra, coarse=coarse)
+    points, samples = prepare_with(problem, extra, coarse=coarse)
     search = Annealing(
         tours,
         samples._replace(weight=max(context.coverage_weight, stage.coverage_weight) * samples.weight),
@@ -77,7 +77,7 @@ def anneal_tours(
 
     search.run(
         moves, hot_m=stage.heat * problem.reach_m, cold_m=problem.reach_m / settings.cold,
-        should_stop=stop, done=searched(context, search, points),
+        should_stop=stop, done=progress_teller(context, search, points),
     )  # fmt: skip
     return search.annealed
 

@@ -74,9 +74,9 @@ class Annealing:
         self._step_m = float(reach_m.max())
         self.moves_made = 0
         self._room, self._spare = 64, 64
-        self._state = self._laid_out(np.array([seed * 0x9E3779B97F4A7C15 % 2**64 | 1], dtype=np.uint64))
+        self._state = self._lay_out(np.array([seed * 0x9E3779B97F4A7C15 % 2**64 | 1], dtype=np.uint64))
 
-    def _laid_out(self, rng: NDArray[np.uint64]) -> Tours:
+    def _lay_out(self, rng: NDArray[np.uint64]) -> Tours:
         """The tours laid out for the kernels, with as much room for what their legs see as it takes."""
         shapes = [split_legs(t.vertices_m, self._longest_m) for t in self._tours]
         places_m = np.vstack(shapes)
@@ -141,7 +141,7 @@ class Annealing:
             self._room *= 2
         self._spare *= 2
         self._tours = self.tours
-        self._state = self._laid_out(self._state.rng)
+        self._state = self._lay_out(self._state.rng)
 
     def run(
         self,
@@ -182,7 +182,7 @@ class Annealing:
             return
         if self._state.limits.size:
             self._tours = self.tours
-            self._state = self._laid_out(self._state.rng)
+            self._state = self._lay_out(self._state.rng)
         state = self._state
         exact_m = np.array([tour_length_m(tour) for tour in self.tours])
         summed_m = np.array([tour_length(k, state) for k in range(len(exact_m))])

@@ -20,23 +20,23 @@ from rota.planners.patrol.driving.speed_kernels import (
     across_m_s2,
     weighed_m,
 )
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline
 
 
-@compiled
+@allocation_free
 def has_speeds(t: Tours) -> bool:
     """Whether the tours' robots speed up and brake by limits, so that this module tells their lengths."""
     return bool(t.limits.shape[0] > 0)
 
 
-@compiled
+@allocation_free
 def put(i: int, x: float, y: float, t: Tours) -> int:
     """Put a place into the window; returns the number of the next."""
     t.window[X, i], t.window[Y, i] = x, y
     return i + 1
 
 
-@compiled
+@allocation_free
 def put_way(i: int, v: int, count: int, ahead: bool, t: Tours) -> int:
     """Put so many vertices of a ring into the window, from v on, ahead or back."""
     for _ in range(count):
@@ -45,7 +45,7 @@ def put_way(i: int, v: int, count: int, ahead: bool, t: Tours) -> int:
     return i
 
 
-@compiled
+@allocation_free
 def put_new(i: int, added: int, t: Tours) -> int:
     """Put the new places of a move into the window."""
     for j in range(added):
@@ -53,7 +53,7 @@ def put_new(i: int, added: int, t: Tours) -> int:
     return i
 
 
-@compiled
+@allocation_free
 def end_like(i: int, v: int, t: Tours) -> None:
     """Let an end of the window be passed as vertex v is now."""
     t.window[SINE, i], t.window[SPEED2, i] = t.sine[v], t.speed2[v]
@@ -71,14 +71,14 @@ def ring_m(k: int, t: Tours) -> float:
     return float(total)
 
 
-@compiled
+@allocation_free
 def note(v: int, i: int, t: Tours) -> None:
     """Note at vertex v what the window has of its place i, with the leg after it."""
     t.sine[v], t.speed2[v] = t.window[SINE, i], t.window[SPEED2, i]
     t.leg_cost[v], t.corner_cost[v] = t.window[LEG, i], t.window[CORNER, i]
 
 
-@compiled
+@allocation_free
 def steps(v: int, count: int, ahead: bool, t: Tours) -> int:
     """The vertex so many steps from v on, ahead or back."""
     for _ in range(count):
@@ -86,7 +86,7 @@ def steps(v: int, count: int, ahead: bool, t: Tours) -> int:
     return int(v)
 
 
-@compiled
+@allocation_free
 def noted_m(first: int, last: int, t: Tours) -> float:
     """What is noted of the way from a vertex on to another, without the corners there."""
     total, v = 0.0, first
@@ -98,7 +98,7 @@ def noted_m(first: int, last: int, t: Tours) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def trim_of(sine: float, speed2: float, t: Tours) -> float:
     """Metres of the legs' ends at a corner from which nothing counts as seen, since it is cut there.
 
@@ -107,7 +107,7 @@ def trim_of(sine: float, speed2: float, t: Tours) -> float:
     return float(speed2 * sine / (2 * across_m_s2(sine, t.limits)))
 
 
-@compiled
+@allocation_free
 def note_trims(first: int, count: int, t: Tours) -> None:
     """Note what is cut at so many places of the window, from one on."""
     for i in range(count):
@@ -182,7 +182,7 @@ def crossed_m(a: int, c: int, t: Tours) -> float:
     return float(total)
 
 
-@compiled
+@allocation_free
 def keep_trims(b: int, a: int, t: Tours) -> None:
     """Note what is cut at places a, a + 1 of the window, then at b, b + 1."""
     note_trims(b, np.int64(2), t)
@@ -190,7 +190,7 @@ def keep_trims(b: int, a: int, t: Tours) -> None:
     note_trims(a, np.int64(2), t)
 
 
-@compiled
+@allocation_free
 def open_m(n: int, first: int, last: int, t: Tours) -> float:
     """What the n places of the window cost, whose ends are these vertices."""
     end_like(0, first, t)

@@ -30,19 +30,19 @@ from rota.planners.patrol.annealing.state import (
 )
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
 
 MOST_TRIED = 64  # legs that one trial makes or takes away at most
 SURE_M = 1e-9  # rounding
 
 
-@compiled
+@allocation_free
 def corner_at(a: int, b: int, c: int, t: Tours) -> float:
     """What is lost at vertex b on the way from vertex a to vertex c, as metres."""
     return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.tour[b], t)
 
 
-@compiled
+@allocation_free
 def apart(a: int, b: int, t: Tours) -> float:
     """Distance of two vertices."""
     return norm(t.x[b] - t.x[a], t.y[b] - t.y[a])
@@ -78,7 +78,7 @@ def over_budget_cost(h: int, t: Tours) -> float:
     return t.budget_penalty[h] * (over + max(0.0, whole - t.whole_m[h]))
 
 
-@compiled
+@allocation_free
 def over_budget_costs(hubs: Ints, t: Tours) -> float:
     """The same of all these tours and hubs (n,): what Python calls, so that it needs no form of its own."""
     total = 0.0
@@ -87,7 +87,7 @@ def over_budget_costs(hubs: Ints, t: Tours) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def length_cost(k: int, change_m: float, t: Tours) -> float:
     """What it costs if tour k becomes longer by so much: every metre a little, metres over budget a lot."""
     h = t.hub[k]
@@ -103,7 +103,7 @@ def length_cost(k: int, change_m: float, t: Tours) -> float:
     return t.length_weight[k] * change_m + now - was
 
 
-@compiled
+@allocation_free
 def trim_at(b: int, t: Tours) -> float:
     """How much of the legs' ends at vertex b sees nothing: as the corner is, or as at a right angle."""
     return float(trim_of(t.sine[b], t.speed2[b], t) if has_speeds(t) else t.blind_m[t.tour[b]])
@@ -140,7 +140,7 @@ def new_leg(
     return True
 
 
-@compiled
+@allocation_free
 def old_leg(slot: int, s: Samples, t: Tours) -> None:
     """Take away what a leg sees; it joins the trial."""
     count_leg(slot, np.int64(-1), s, t)
@@ -148,14 +148,14 @@ def old_leg(slot: int, s: Samples, t: Tours) -> None:
     t.ints[TRIED_OLD] += 1
 
 
-@compiled
+@allocation_free
 def begin(t: Tours) -> None:
     """Begin a trial."""
     t.ints[TRIED_NEW] = 0
     t.ints[TRIED_OLD] = 0
 
 
-@compiled
+@allocation_free
 def keep(t: Tours) -> None:
     """Keep the trial: the slots of the old legs are free again, those of the new ones are the caller's to place."""
     for i in range(t.ints[TRIED_OLD]):
@@ -176,7 +176,7 @@ def undo(unseen: float, s: Samples, t: Tours) -> None:
     t.unseen[0] = unseen
 
 
-@compiled
+@allocation_free
 def bucket_of(x: float, y: float, t: Tours) -> int:
     """The bucket of a place; places outside the grid belong to its nearest one."""
     i = min(max(int((x - t.grid[0]) / t.grid[2]), 0), t.grid_n[0] - 1)
@@ -184,7 +184,7 @@ def bucket_of(x: float, y: float, t: Tours) -> int:
     return j * t.grid_n[0] + i
 
 
-@compiled
+@allocation_free
 def enter_bucket(v: int, t: Tours) -> None:
     """Put vertex v in the bucket of its place."""
     b = bucket_of(t.x[v], t.y[v], t)
@@ -195,7 +195,7 @@ def enter_bucket(v: int, t: Tours) -> None:
     t.bucket[b] = v
 
 
-@compiled
+@allocation_free
 def leave_bucket(v: int, t: Tours) -> None:
     """Take vertex v out of its bucket."""
     before, after = t.bucket_before[v], t.bucket_after[v]
@@ -237,7 +237,7 @@ def free_vertex(v: int, t: Tours) -> None:
     t.ints[VERTICES_LEFT] += 1
 
 
-@compiled
+@allocation_free
 def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
     """Lay out the vertices (tour by tour, each in its order) and count everything; False when there is no room."""
     t.times_seen[:] = 0

@@ -6,12 +6,12 @@ import math
 from typing import Any
 
 from rota.planners.patrol.annealing.state import Tours
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 STRAIGHT2 = 1e-12  # squared sine of half an angle below which a vertex is no corner
 
 
-@compiled
+@allocation_free
 def from_table(table: Any, row: float, column: float) -> float:
     """The value between four entries of a table, each coordinate taken as linear."""
     i, j = min(int(row), table.shape[0] - 2), min(int(column), table.shape[1] - 2)
@@ -21,7 +21,7 @@ def from_table(table: Any, row: float, column: float) -> float:
     return float(low + p * (high - low))
 
 
-@compiled
+@allocation_free
 def turning_m(ux: float, uy: float, vx: float, vy: float, turn_m: float, arc_m: float) -> float:
     """Turning from the leg u into the leg v, as metres of travel that take the same time.
 
@@ -39,7 +39,7 @@ def turning_m(ux: float, uy: float, vx: float, vy: float, turn_m: float, arc_m: 
     return total
 
 
-@compiled
+@allocation_free
 def rounding_m(ux: float, uy: float, vx: float, vy: float, t: Tours) -> float:
     """What a corner between the legs u and v costs a robot with mass, in the same metres, from its table."""
     before, after, table = math.sqrt(ux * ux + uy * uy), math.sqrt(vx * vx + vy * vy), t.corners
@@ -52,7 +52,7 @@ def rounding_m(ux: float, uy: float, vx: float, vy: float, t: Tours) -> float:
     return float(cost + from_table(table, row, last * math.sqrt(min(1.0, after / longest))))
 
 
-@compiled
+@allocation_free
 def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, k: int, t: Tours) -> float:
     """What tour k loses at b on the way a-b-c, as metres of travel that take the same time."""
     ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by

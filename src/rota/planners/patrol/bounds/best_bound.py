@@ -94,7 +94,7 @@ def _by_components(witnesses: Witnesses, robot: Robot) -> ProvedBound:
     """The bounds of the components, added up: what is seen from one component alone takes robots of its own."""
     each = []
     for component in np.unique(witnesses.component[witnesses.component >= 0]):
-        own = witnesses.chosen(witnesses.component == component)
+        own = witnesses.choose(witnesses.component == component)
         each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1))]))
     return ProvedBound(
         robots=sum(each),

@@ -70,7 +70,7 @@ def heaviest_clique(joined: NDArray[np.bool_], weight: Ints) -> list[int]:
         nodes += 1
         if total > sum(heavy[v] for v in best):
             best = list(clique)
-        for v, bound in reversed(_coloured(among, neighbours, heavy)):
+        for v, bound in reversed(_colour_order(among, neighbours, heavy)):
             if nodes >= MOST_NODES or total + bound <= sum(heavy[u] for u in best):
                 return
             extend([*clique, v], total + heavy[v], among & neighbours[v])
@@ -90,7 +90,7 @@ def _greedy_clique(first: int, neighbours: list[int], weight: list[int]) -> list
     return clique
 
 
-def _coloured(among: int, neighbours: list[int], weight: list[int]) -> list[tuple[int, int]]:
+def _colour_order(among: int, neighbours: list[int], weight: list[int]) -> list[tuple[int, int]]:
     """The vertices in an order, each with a bound on the weight of any clique of it and those before it.
 
     Vertices of one colour are not joined, so that the bound is the sum of the heaviest of each colour.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.bounds.clique_bound import SURELY
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
-from rota.planners.patrol.verdict import counted
+from rota.planners.patrol.verdict import robots_in_words
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,7 +36,7 @@ def forest_bound(apart_m: Floats, window_s: float, speed_m_s: float, least: int)
     return ProvedBound(
         robots=robots,
         reason=f"{len(shown)} places must be served within any {window_s:.6g} s, and the ways between them are too"
-        f" long for {counted(robots - 1)}",
+        f" long for {robots_in_words(robots - 1)}",
     )
 
 
@@ -49,7 +49,7 @@ def travel_robots(apart_m: Floats, window_s: float, speed_m_s: float, least: int
     travel_m = window_s * speed_m_s * SURELY
     robots, shown = least, np.zeros(0, dtype=np.int64)
     for share in THINNINGS:
-        kept = _thinned(apart_m, share * travel_m)
+        kept = _thin(apart_m, share * travel_m)
         if len(kept) <= robots:
             continue
         proved = _forest_robots(apart_m[np.ix_(kept, kept)], travel_m, robots)
@@ -58,7 +58,7 @@ def travel_robots(apart_m: Floats, window_s: float, speed_m_s: float, least: int
     return robots, shown
 
 
-def _thinned(apart_m: Floats, least_m: float) -> Ints:
+def _thin(apart_m: Floats, least_m: float) -> Ints:
     """The places (m,) in their order, less those within ``least_m`` of one kept before, or not apart from it."""
     kept: list[int] = []
     for i in range(len(apart_m)):

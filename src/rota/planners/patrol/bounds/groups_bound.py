@@ -15,7 +15,7 @@ import numpy as np
 
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.clique_bound import SURELY, heaviest_clique, too_far_apart, too_far_apart_reason
-from rota.planners.patrol.bounds.pieces import Pieces, groupings, seen_within_m2
+from rota.planners.patrol.bounds.pieces import Pieces, groupings, most_seen_m2
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 
 
@@ -25,7 +25,7 @@ def groups_bound(pieces: Pieces, robot: Robot) -> ProvedBound:
     for groups, gaps_m in groupings(pieces, robot):
         areas_m2 = np.array([pieces.area_m2[group].sum() for group in groups])
         periods_s = np.array([pieces.period_s[group].max() for group in groups])
-        each = np.maximum(1, np.ceil(areas_m2 / seen_within_m2(robot, periods_s) / SURELY)).astype(np.int64)
+        each = np.maximum(1, np.ceil(areas_m2 / most_seen_m2(robot, periods_s) / SURELY)).astype(np.int64)
         clique = heaviest_clique(too_far_apart(gaps_m, periods_s, robot.ground_speed_m_s), each)
         best = max(best, (int(each[clique].sum()), len(clique)))
     robots, groups_apart = best

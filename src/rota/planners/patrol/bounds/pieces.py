@@ -69,7 +69,7 @@ def groupings(pieces: Pieces, robot: Robot) -> Iterator[tuple[list[Ints], Floats
             yield groups, _gaps(pieces, groups, robot)
 
 
-def seen_within_m2(robot: Robot, window_s: Floats | float) -> Floats | float:
+def most_seen_m2(robot: Robot, window_s: Floats | float) -> Floats | float:
     """The most ground in m2 that one robot can have in range within a window."""
     return sweep_m2_s(robot) * window_s + footprint_m2(robot)
 

@@ -65,10 +65,10 @@ def swept_robots(
     lost = np.minimum(lost, areas)
     if not periods:
         return 0.0, 0.0
-    return _best_merged(np.array(periods), areas, lost, _border_areas(ground, robot), robot)
+    return _best_merging(np.array(periods), areas, lost, _border_areas(ground, robot), robot)
 
 
-def _best_merged(
+def _best_merging(
     periods_s: Floats, areas_m2: Floats, lost_m2: Floats, border_m2: Floats, robot: Robot
 ) -> tuple[float, float]:
     """The most that is earned, and asked per second, when periods may count as the next longer one, greedily chosen.
@@ -76,16 +76,16 @@ def _best_merged(
     Little ground with a period of its own can cost more at its borders than it weighs.
     """
     last = np.arange(len(periods_s))  # of each class the one whose period it counts with
-    best = _earned(periods_s, areas_m2, lost_m2, border_m2, robot)
+    best = _earnings(periods_s, areas_m2, lost_m2, border_m2, robot)
     while True:
         tries = [np.where(last == c, last[c + 1], last) for c in np.unique(last)[:-1]]
-        earned = [_earned(periods_s[merged], areas_m2, lost_m2, border_m2, robot) for merged in tries]
+        earned = [_earnings(periods_s[merged], areas_m2, lost_m2, border_m2, robot) for merged in tries]
         if not earned or max(earned) <= best:
             return best, float(((areas_m2 - lost_m2) / periods_s[last]).sum())
         best, last = max(earned), tries[int(np.argmax(earned))]
 
 
-def _earned(periods_s: Floats, areas_m2: Floats, lost_m2: Floats, border_m2: Floats, robot: Robot) -> float:
+def _earnings(periods_s: Floats, areas_m2: Floats, lost_m2: Floats, border_m2: Floats, robot: Robot) -> float:
     """The integral of the weights; border_m2 (k, k): that of 1 - psi(distance to K_j) over ground c, for j < c."""
     swept_m2 = sweep_m2_s(robot) * periods_s
     share = swept_m2 / (swept_m2 + footprint_m2(robot))
@@ -108,15 +108,15 @@ def _border_areas(ground: Sequence[MultiPolygon], robot: Robot) -> Floats:
     gain = np.diff(np.array([rim_share(s / reach_m, robot) for s in at_m]))
     for j in range(k - 1):
         urgent = shapely.union_all(ground[: j + 1])
-        wide = _widened(urgent, full_m)
+        wide = _widen(urgent, full_m)
         near = [shapely.intersection(wide, other) for other in ground[j + 1 :]]
         for i in range(rings):
-            grown = _widened(urgent, float(at_m[i + 1]))
+            grown = _widen(urgent, float(at_m[i + 1]))
             border_m2[j, j + 1 :] += gain[i] * np.array([shapely.intersection(grown, part).area for part in near])
     return border_m2
 
 
-def _widened(shape: MultiPolygon, by_m: float) -> MultiPolygon:
+def _widen(shape: MultiPolygon, by_m: float) -> MultiPolygon:
     """A shape that holds all points within ``by_m`` metres of this one."""
     return shapely.buffer(shape, by_m / math.cos(math.pi / (4 * _QUARTER)), quad_segs=_QUARTER)
 

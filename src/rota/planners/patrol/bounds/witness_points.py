@@ -63,7 +63,7 @@ class Witnesses:
         np.fill_diagonal(apart, 0.0)
         return apart
 
-    def chosen(self, which: NDArray[np.bool_] | Ints) -> Witnesses:
+    def choose(self, which: NDArray[np.bool_] | Ints) -> Witnesses:
         """Those at the numbers, or the flags, ``which``."""
         which = np.flatnonzero(which) if which.dtype == np.bool_ else which
         return Witnesses(
@@ -224,7 +224,7 @@ def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float
         among = among[:: max(1, len(among) // MOST_LOOKED_AT)]
         chosen += _spread_out(points.xy_m, among, chosen, each, reach_m / 2)
     sees = csr_array((np.ones(len(seen), dtype=np.int8), seen, start), shape=(len(start) - 1, len(points))).tocsc()
-    chosen += _hidden(sees, inside[:MOST_LOOKED_AT])
+    chosen += _points_apart(sees, inside[:MOST_LOOKED_AT])
     return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 
 
@@ -243,7 +243,7 @@ def _spread_out(xy_m: Floats, among: Ints, already: list[int], count: int, neare
     return spread
 
 
-def _hidden(sees: csr_array, among: Ints) -> list[int]:
+def _points_apart(sees: csr_array, among: Ints) -> list[int]:
     """Points no two of which any place sees, taken in their order. sees: places by points, by columns."""
     used = np.zeros(sees.shape[0], dtype=bool)
     hidden: list[int] = []

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
-from rota.planners.patrol.driving.polylines import thinned, turns_rad
+from rota.planners.patrol.driving.polylines import turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 
 Floats = NDArray[np.float64]
@@ -51,7 +51,7 @@ class AtOnce:
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""
-        vertices_m = thinned(vertices_m)
+        vertices_m = without_straight_vertices(vertices_m)
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         line_m, turns = np.vstack([vertices_m, vertices_m[:1]]), np.roll(turns_rad(vertices_m), -1)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory, Waypoints
 from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes, quarter_turn_m
-from rota.planners.patrol.driving.polylines import driven_beside, thinned
-from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
+from rota.planners.patrol.driving.polylines import way_beside, without_straight_vertices
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.blend_kernels import SLIVER, blends_of, corner_table, from_rest, sampled_round
 
@@ -49,18 +49,18 @@ class Auto:
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
-        vertices_m = thinned(vertices_m)
+        vertices_m = without_straight_vertices(vertices_m)
         if len(vertices_m) == 1:
             return 0.0
         return float(self.model.round_times_s(vertices_m, self.robot.ground_speed_m_s).sum()) * self.pace_m_s
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
-        return driven_beside(vertices_m, self._rows)
+        return way_beside(vertices_m, self._rows)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round, which begins and ends as the leg from the first corner begins."""
-        vertices_m = thinned(vertices_m)
+        vertices_m = without_straight_vertices(vertices_m)
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         rows = self._rows(vertices_m)
@@ -68,13 +68,13 @@ class Auto:
         most = 2 * np.hypot(*np.diff(places_m, axis=0).T) / np.diff(times_s) ** 2  # so that no leg begins backwards
         return TimedLine(times_s, places_m, np.clip(rows[1:, 3], -most, most))
 
-    def begun_at_a_corner(self, robot: str, vertices_m: Floats, phase_s: float) -> Trajectory | None:
+    def begin_at_a_corner(self, robot: str, vertices_m: Floats, phase_s: float) -> Trajectory | None:
         """A robot that goes round for ever, ``phase_s`` into its round at time 0, as its autopilot can begin it.
 
         It stands at the next corner until the leg from there is to begin, and is in phase from the end of that corner
         on. None: it has no way to go.
         """
-        corners_m, speed = thinned(vertices_m), self.robot.ground_speed_m_s
+        corners_m, speed = without_straight_vertices(vertices_m), self.robot.ground_speed_m_s
         if len(corners_m) == 1:
             return None
         line = self.timed(corners_m)
@@ -94,7 +94,7 @@ class Auto:
         starts = np.asarray(from_rest(corners_m, k, blend_s / slower, pieces, speed, limits, shape))
         along_m = np.roll(corners_m, -1, axis=0)[k] - corners_m[k]
         along_m /= np.hypot(*along_m)
-        goes_on = started_at(line, float(times[k, 0]) + blend_s)
+        goes_on = start_at(line, float(times[k, 0]) + blend_s)
         lasts_s = blend_s / pieces * UNHURRIED
         begun_s = leaves_s + lasts_s * np.arange(1, pieces + 1)
         begun_m = corners_m[k] + starts[1:, :1] * along_m

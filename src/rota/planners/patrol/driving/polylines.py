@@ -73,7 +73,7 @@ def far_enough(points_m: Floats) -> list[int]:
     return keep
 
 
-def thinned(vertices_m: Floats, straight_rad: float = STRAIGHT_RAD) -> Floats:
+def without_straight_vertices(vertices_m: Floats, straight_rad: float = STRAIGHT_RAD) -> Floats:
     """The closed polyline as it can be timed, without vertices that turn by at most ``straight_rad``."""
     return np.asarray(vertices_m[corners_kept(vertices_m, straight_rad)])
 
@@ -118,14 +118,14 @@ def beside_legs(
     return np.vstack([cut_m, line_m[-1:]]), np.column_stack([here - turns, np.maximum(here, there) - turns])
 
 
-def driven_beside(
+def way_beside(
     vertices_m: Floats, rows_of: Callable[[Floats], Floats], straight_rad: float = STRAIGHT_RAD
 ) -> tuple[Floats, Floats]:
     """A round past the corners of a closed polyline (n, 2), and beside what of it that is; see ``beside_legs``.
 
     rows_of: of the corners (k, 2), k > 1, the rows (m, 5) of the round: seconds, x, y, acceleration, and the leg.
     """
-    corners_m = thinned(vertices_m, straight_rad)
+    corners_m = without_straight_vertices(vertices_m, straight_rad)
     if len(corners_m) == 1:
         return corners_m, np.zeros((0, 2))
     rows = rows_of(corners_m)

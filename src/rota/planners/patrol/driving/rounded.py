@@ -16,7 +16,7 @@ from rota.planners.patrol.driving.corner_costs import (
     pace_on_lanes,
     quarter_turn_m,
 )
-from rota.planners.patrol.driving.polylines import driven_beside, thinned
+from rota.planners.patrol.driving.polylines import way_beside, without_straight_vertices
 from rota.planners.patrol.driving.speed_kernels import BESIDE, ROWS, slopes
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 
@@ -64,18 +64,18 @@ class Rounded:
 
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of a round; see ``Driving``."""
-        vertices_m = thinned(vertices_m, STRAIGHT_RAD)
+        vertices_m = without_straight_vertices(vertices_m, STRAIGHT_RAD)
         if len(vertices_m) == 1:
             return 0.0
         return float(kernels.round_s(vertices_m, self.limits)) * self.pace_m_s
 
     def driven(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """Its way, and beside what of the polyline it is; see ``Driving``."""
-        return driven_beside(vertices_m, self._rows, STRAIGHT_RAD)
+        return way_beside(vertices_m, self._rows, STRAIGHT_RAD)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round as fast as it can be driven; it begins and ends where the rounding of the first corner ends."""
-        vertices_m = thinned(vertices_m, STRAIGHT_RAD)
+        vertices_m = without_straight_vertices(vertices_m, STRAIGHT_RAD)
         if len(vertices_m) == 1:
             return steady(np.zeros(1), vertices_m)
         return _line(self._rows(vertices_m))

@@ -105,7 +105,7 @@ def fastest_round(sine, shorter_m, limits):
 
 
 @kernel
-def reached(from_m_s, from_half_m, to_m_s, sine, leg_m, limits):
+def greatest_corner_speed(from_m_s, from_half_m, to_m_s, sine, leg_m, limits):
     """The greatest speed at a corner, of at most ``to_m_s``, that the leg leaves room for.
 
     The robot leaves the corner before at ``from_m_s``, whose rounding ends ``from_half_m`` from it.
@@ -174,12 +174,12 @@ def corners_of(vertices_m, closed, limits):
         k = turn % n
         after = (k + 1) % n
         half_m = rounding(rows[k, 1], rows[k, 0], limits)[1]
-        rows[after, 1] = reached(rows[k, 1], half_m, rows[after, 1], rows[after, 0], rows[k, 2], limits)
+        rows[after, 1] = greatest_corner_speed(rows[k, 1], half_m, rows[after, 1], rows[after, 0], rows[k, 2], limits)
     for turn in range(2 * n - 1, -1, -1):
         k = turn % n
         after = (k + 1) % n
         half_m = rounding(rows[after, 1], rows[after, 0], limits)[1]
-        rows[k, 1] = reached(rows[after, 1], half_m, rows[k, 1], rows[k, 0], rows[k, 2], limits)
+        rows[k, 1] = greatest_corner_speed(rows[after, 1], half_m, rows[k, 1], rows[k, 0], rows[k, 2], limits)
     return rows
 
 

@@ -52,7 +52,7 @@ def steady(times_s: Floats, places_m: Floats) -> TimedLine:
     return TimedLine(times_s, places_m, np.zeros(len(times_s) - 1))
 
 
-def started_at(line: TimedLine, phase_s: float) -> TimedLine:
+def start_at(line: TimedLine, phase_s: float) -> TimedLine:
     """The round begun ``phase_s`` after its start; its duration stays exactly the same."""
     times_s, places_m, accelerations = line
     duration_s = line.duration_s

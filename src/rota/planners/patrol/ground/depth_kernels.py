@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, TOUCH_M, turned
+from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, TOUCH_M, sectors_from_x
 
 SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
 ROUNDING = 1e-9  # of a sector: a wall that ends so near a border may reach across it
@@ -63,11 +63,11 @@ def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any
         return
     if turn < 0:
         ux, uy, vx, vy, wx, wy, turn = vx, vy, ux, uy, -wx, -wy, -turn
-    first, last = math.floor(turned(ux, uy) - ROUNDING), math.floor(turned(vx, vy) + ROUNDING)
+    first, last = math.floor(sectors_from_x(ux, uy) - ROUNDING), math.floor(sectors_from_x(vx, vy) + ROUNDING)
     count = (last - first) % DEPTH_SECTORS + 1
     ends = math.sqrt(ux * ux + uy * uy), math.sqrt(vx * vx + vy * vy)
     inside = ux * wx + uy * wy < 0 < vx * wx + vy * wy
-    foot = int(turned(wy, -wx)) % DEPTH_SECTORS  # the sector of the nearest place of its line
+    foot = int(sectors_from_x(wy, -wx)) % DEPTH_SECTORS  # the sector of the nearest place of its line
     for step in range(count):
         k = (first + step) % DEPTH_SECTORS
         bx, by = borders[k]

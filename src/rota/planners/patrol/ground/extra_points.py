@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, points_of, thinned
+from rota.planners.patrol.ground.samples import SamplePoints, join, known_walls, lay_out, points_of, thin
 
 Floats = NDArray[np.float64]
 
@@ -19,15 +19,15 @@ def no_points() -> SamplePoints:
     return points_of(np.zeros((0, 2)), 0.0, 0, 0)
 
 
-def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False) -> tuple[SamplePoints, Samples]:
+def prepare_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False) -> tuple[SamplePoints, Samples]:
     """The problem's points and further ones, laid out for the kernels with their weights in metres of travel.
 
     coarse: of the points on lattices only every other one of every other row, each with four times the area.
     """
-    points = thinned(problem.points) if coarse else problem.points
-    points = joined([points, extra]) if len(extra) else points
+    points = thin(problem.points) if coarse else problem.points
+    points = join([points, extra]) if len(extra) else points
     known = None if coarse else known_walls(problem.samples)
-    points, samples, _ = laid_out(
+    points, samples, _ = lay_out(
         points, problem.walls, problem.robot, weight=metres_worth(problem, points), known=known
     )
     return points, samples

@@ -38,7 +38,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     apart_m = 2 * problem.robot.body_radius_m
     parts, kept_off, waits_m = list(problem.paths.parts), list(problem.kept_off), dict(problem.waits_m)
     for spot, own in zip(spots, components, strict=True):
-        disc = grown(shapely.convex_hull(spot), SPARE * apart_m, QUARTER_CORNERS)
+        disc = grow(shapely.convex_hull(spot), SPARE * apart_m, QUARTER_CORNERS)
         near = [int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects") if k != own]
         beside = [k for k in near if parts[k].area <= math.pi * (apart_m / 2) ** 2]
         waits_at = farthest_place(spot, [parts[k] for k in beside]) if beside and spot.area > 0 else None
@@ -46,7 +46,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
             waits_m[own] = (waits_at.x, waits_at.y)
         for k in near:
             takes_turns = waits_at is not None and k in beside
-            taken = grown(waits_at, WAIT_SPARE * apart_m, WAIT_QUARTER_CORNERS) if takes_turns else disc
+            taken = grow(waits_at, WAIT_SPARE * apart_m, WAIT_QUARTER_CORNERS) if takes_turns else disc
             part = cut_back(parts, k, taken)
             if part is not parts[k]:
                 parts[k] = part
@@ -64,7 +64,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     return replace(problem, space=space, paths=paths, viewpoints=viewpoints, kept_off=tuple(kept_off))
 
 
-def grown(shape: BaseGeometry, by_m: float, quarter_corners: int) -> Polygon:
+def grow(shape: BaseGeometry, by_m: float, quarter_corners: int) -> Polygon:
     """The shape, all round it at least so much larger, with so many corners to a quarter turn."""
     return shape.buffer(by_m / math.cos(math.pi / (4 * quarter_corners)), quad_segs=quarter_corners)
 

@@ -16,7 +16,7 @@ from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Robot
-from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
+from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.tours.tour import Tour
 
@@ -95,7 +95,7 @@ def limit_points(
                 lines = shapely.segmentize(border.intersection(region.shape), spacing_m)
                 xy = np.unique(shapely.get_coordinates(lines), axis=0)
                 lines_of_points.append(points_of(xy, spacing_m**2 / 4, region_class[i], i))
-    return joined(lines_of_points)
+    return join(lines_of_points)
 
 
 def with_reach_for(points: SamplePoints, ranges_m: Floats, reach_m: float, range_margin_m: float) -> SamplePoints:
@@ -107,7 +107,7 @@ def with_reach_for(points: SamplePoints, ranges_m: Floats, reach_m: float, range
     return replace(points, shrink_m=np.minimum(points.shrink_m, most_m))
 
 
-def drawn_to_border(
+def draw_to_border(
     tours: Sequence[Tour],
     border_places_m: Floats,
     space: MultiPolygon,
@@ -127,13 +127,13 @@ def drawn_to_border(
     tree = cKDTree(border_places_m)
     border = space.boundary
     shapely.prepare(border)
-    return [_drawn_to_border(tour, tree, border, paths, near_m=near_m, wide_m=wide_m) for tour in tours]
+    return [_draw_to_border(tour, tree, border, paths, near_m=near_m, wide_m=wide_m) for tour in tours]
 
 
-def _drawn_to_border(
+def _draw_to_border(
     tour: Tour, border_places: cKDTree, border: BaseGeometry, paths: ShortestPaths, *, near_m: float, wide_m: float
 ) -> Tour:
-    """One tour as ``drawn_to_border`` leaves it."""
+    """One tour as ``draw_to_border`` leaves it."""
     close = np.flatnonzero(border_places.query(tour.vertices_m)[0] <= wide_m)
     close = close[shapely.dwithin(border, shapely.points(tour.vertices_m[close]), near_m)]
     if not len(close):

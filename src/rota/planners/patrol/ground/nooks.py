@@ -7,7 +7,7 @@ import shapely
 from rota.geometry.free_space import nooks
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
+from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 
 INSET_M = 1e-8  # off the walls: on them, give or take rounding
 
@@ -20,4 +20,4 @@ def nooks_of(problem: Problem) -> SamplePoints:
             xy_m = nooks(region.shape, INSET_M)
             inside = shapely.contains_xy(region.shape, xy_m)
             found.append(points_of(xy_m[inside], problem.spacing_m**2, problem.region_class[i], i))
-    return joined(found)
+    return join(found)

@@ -22,7 +22,7 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.limits_of_sight import limit_points
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, region_points
+from rota.planners.patrol.ground.samples import SamplePoints, join, known_walls, lay_out, region_points
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import clear_body_m, space_for, thin_m
 from rota.planners.patrol.ground.unseeable import refuse_much_unseeable, refuse_unseeable
@@ -152,19 +152,19 @@ def set_up_problem(
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
         places_m, ranges_m = nearest_places(last.xy_m, space, walls, robot)
-        points, border_places_m = joined([points, last]), places_m[np.isfinite(ranges_m)]
+        points, border_places_m = join([points, last]), places_m[np.isfinite(ranges_m)]
         require_going_on(should_stop, LAID_OUT)
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
     require_going_on(should_stop, LAID_OUT)
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
-    refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions, sure_sight)
+    refuse_unseeable(mission, join([seen.points, hopeless]), beside, regions, sure_sight)
     points, samples = seen.points, seen.samples
     if len(seen.unseen):
         kept = np.setdiff1d(np.arange(len(points)), seen.unseen)
         if not len(kept):
             raise NoPlanFound("nothing of what is asked can be seen from where robots can be")
-        points, samples, _ = laid_out(points[kept], walls, robot, known=known_walls(samples, kept))
+        points, samples, _ = lay_out(points[kept], walls, robot, known=known_walls(samples, kept))
     require_going_on(should_stop, LAID_OUT)
     paths = ShortestPaths(space)
     seen_from = what_places_see(seen.places_m, robot, margin_m, samples)
@@ -241,7 +241,7 @@ def points_of_regions(
         )
         for i, region in enumerate(regions)
     ]  # fmt: skip
-    return joined(each), spacing_m
+    return join(each), spacing_m
 
 
 def finer_spacing_m(asked_m2: float, reach_m: float, settings: SamplingSettings, usual_m: float) -> float:
@@ -252,7 +252,7 @@ def finer_spacing_m(asked_m2: float, reach_m: float, settings: SamplingSettings,
     return min(usual_m, finer_m)
 
 
-def stretched(problem: Problem, stretch: float) -> Problem:
+def stretch_periods(problem: Problem, stretch: float) -> Problem:
     """The same problem with all periods multiplied by ``stretch``."""
     mission = problem.mission
     zones = tuple(

@@ -14,14 +14,14 @@ from rota.planners.patrol.ground.sight_kernels import (
     STANDING_M2,
     TOUCH_M,
     Line,
-    all_hidden,
-    compiled,
-    hidden_until,
-    inlined,
+    allocation_free,
+    always_inline,
+    end_of_hiding,
+    hides_all,
     nearest_in_range,
     noinline,
     range_interval,
-    turned,
+    sectors_from_x,
 )
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Samples(NamedTuple):
     on that has any. depth2: (n, 2, DEPTH_SECTORS) how far each point sees, see ``depth_kernels.py``. frames (f, 4),
     frame_ints (f, 4), column_start: the lattices, see ``samples.lattice_frames``. bin_start: where each bin of the
     other points begins; bins: (2,) how many columns and rows there are. origin: (5,) metres, the least x and y of all
-    points, the side of a bin, the farthest that a visit is served from, and ``hidden_until``'s corner.
+    points, the side of a bin, the farthest that a visit is served from, and ``end_of_hiding``'s corner.
     """
 
     x: Floats
@@ -90,7 +90,7 @@ class Lane(NamedTuple):
     r: float
 
 
-@inlined
+@always_inline
 def square_row(lane: Lane, y: float) -> tuple[float, float]:
     """Least and greatest x at height y that a square's range sweeps on the leg; the first is greater: none."""
     ax, ay, dx, dy, reach = lane.ax, lane.ay, lane.dx, lane.dy, lane.r
@@ -107,7 +107,7 @@ def square_row(lane: Lane, y: float) -> tuple[float, float]:
     return min(x0, x1) - reach, max(x0, x1) + reach
 
 
-@inlined
+@always_inline
 def disc_row(lane: Lane, y: float) -> tuple[float, float]:
     """Least and greatest x at height y that a disc's range sweeps on the leg; the first is greater: none."""
     ax, ay, dx, dy, reach = lane.ax, lane.ay, lane.dx, lane.dy, lane.r
@@ -135,7 +135,7 @@ def disc_row(lane: Lane, y: float) -> tuple[float, float]:
     return left, right
 
 
-@inlined
+@always_inline
 def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samples) -> bool:
     """Whether sample i is in range and not hidden somewhere on a leg; line: the leg as the sample sees it.
 
@@ -146,13 +146,13 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
     walls, items, depth2 = s.walls, s.wall_item, s.depth2
     qx, qy = line.px + near * line.dx, line.py + near * line.dy
     near2 = qx * qx + qy * qy
-    if near2 < depth2[i, 0, int(turned(qx, qy)) % DEPTH_SECTORS]:
+    if near2 < depth2[i, 0, int(sectors_from_x(qx, qy)) % DEPTH_SECTORS]:
         return True
     hidden = False
     for j in range(begin, end):
         k = items[j]
         ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-        if hidden_until(near, ux, uy, vx, vy, line, corner) > near:
+        if end_of_hiding(near, ux, uy, vx, vy, line, corner) > near:
             hidden = True
             break
     if not hidden:
@@ -161,7 +161,7 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
         return False
     t, last = range_interval(line, reach, square)
     ex, ey = line.px + last * line.dx, line.py + last * line.dy
-    if all_hidden(line.px + t * line.dx, line.py + t * line.dy, ex, ey, near2, depth2, i):
+    if hides_all(line.px + t * line.dx, line.py + t * line.dy, ex, ey, near2, depth2, i):
         return False
     moved = True
     while moved:
@@ -169,7 +169,7 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
         for j in range(begin, end):
             k = items[j]
             ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, line, corner)
+            until = end_of_hiding(t, ux, uy, vx, vy, line, corner)
             if until > t:
                 if until >= last:
                     return False
@@ -190,7 +190,7 @@ def leg_sees(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
     return loose_runs(leg, period_class, s, out, written)
 
 
-@compiled
+@allocation_free
 def lattice_runs(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
     """The part of ``leg_sees`` that lies on lattices."""
     dx, dy = leg.bx - leg.ax, leg.by - leg.ay

@@ -66,7 +66,7 @@ class SamplePoints:
         )
 
 
-def joined(parts: Sequence[SamplePoints]) -> SamplePoints:
+def join(parts: Sequence[SamplePoints]) -> SamplePoints:
     """All points of the parts, in order; parts may be empty."""
     return SamplePoints(
         xy_m=np.concatenate([p.xy_m for p in parts]).reshape(-1, 2),
@@ -97,7 +97,7 @@ def points_of(
     )
 
 
-def thinned(points: SamplePoints) -> SamplePoints:
+def thin(points: SamplePoints) -> SamplePoints:
     """Every other point of every other row of the lattices, with four times the area, and all others."""
     lattice = points.row >= 0
     kept = points[np.flatnonzero(~lattice | ((points.row % 2 == 0) & (points.column % 2 == 0)))]
@@ -166,7 +166,7 @@ def region_points(
     inside = points_of(places_m, spacing_m**2, period, index, shrink_m=shrink_m)
     inside = replace(inside, row=row, column=column)
     edge = points_of(border(region.shape, spacing_m, inset_m), spacing_m**2 / 4, period, index)
-    return joined([inside, edge])
+    return join([inside, edge])
 
 
 def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
@@ -246,7 +246,7 @@ def prepare(
     return samples, order
 
 
-def laid_out(
+def lay_out(
     points: SamplePoints, walls: Floats, robot: Robot, *, weight: Floats | None = None, known: Rows | None = None
 ) -> tuple[SamplePoints, Samples, Ints]:
     """The points (n) in the order in which the kernels take them, as they take them, and that order (n,).

@@ -14,7 +14,7 @@ TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not h
 DEPTH_SECTORS = 32  # of directions round a sample, a multiple of 4
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def allocation_free(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array.
 
     Such functions pass tuples of many arrays to each other; to count references to every array on every call (numba's
@@ -28,7 +28,7 @@ def noinline(function: Callable[..., Any]) -> Any:
     return kernel(**OPTIONS, noinline=True)(function)
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def always_inline(function: Callable[..., Any]) -> Any:
     """A compiled function that becomes part of its callers."""
     return kernel(**OPTIONS, inline="always")(function)
 
@@ -42,14 +42,14 @@ class Line(NamedTuple):
     dy: float
 
 
-@compiled
+@allocation_free
 def norm(dx: float, dy: float) -> float:
     """Length of a vector; the library's hypot guards against overflow, which costs more than all the rest here."""
     return math.sqrt(dx * dx + dy * dy)
 
 
-@compiled
-def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, line: Line, corner: float) -> float:
+@allocation_free
+def end_of_hiding(t: float, ux: float, uy: float, vx: float, vy: float, line: Line, corner: float) -> float:
     """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
 
     The wall runs from u to v with its obstacle on the left, in metres from the hidden point. A point that lies on the
@@ -88,7 +88,7 @@ def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, line: Lin
     return min(end, -at / slope) if slope < 0 else end
 
 
-@compiled
+@allocation_free
 def range_interval(line: Line, reach: float, square: int) -> tuple[float, float]:
     """First and last leg parameter at which the origin is in range; first > last when it never is.
 
@@ -118,7 +118,7 @@ def range_interval(line: Line, reach: float, square: int) -> tuple[float, float]
     return max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
 
 
-@inlined
+@always_inline
 def nearest_in_range(line: Line, per_aa: float, reach: float, square: int, slack: float) -> float:
     """A leg parameter at which the origin is in range, near its nearest approach; -1 when there is none.
 
@@ -139,8 +139,8 @@ def nearest_in_range(line: Line, per_aa: float, reach: float, square: int, slack
     return t if qx * qx + qy * qy <= reach * reach + slack else -1.0
 
 
-@compiled
-def turned(x: float, y: float) -> float:
+@allocation_free
+def sectors_from_x(x: float, y: float) -> float:
     """How far a direction is turned from the x axis to the left, in sectors (0 for none), which are not quite alike."""
     whole = abs(x) + abs(y)
     if whole == 0:
@@ -151,13 +151,13 @@ def turned(x: float, y: float) -> float:
     return along * (DEPTH_SECTORS / 4)
 
 
-@compiled
-def all_hidden(ax: float, ay: float, bx: float, by: float, near2: float, depth2: Any, i: int) -> bool:
+@allocation_free
+def hides_all(ax: float, ay: float, bx: float, by: float, near2: float, depth2: Any, i: int) -> bool:
     """Whether all of a leg from a to b, in metres from sample i, is known to be hidden from it.
 
     near2: squared metres to the leg's nearest place. depth2: (n, 2, DEPTH_SECTORS), as ``depth_kernels.depths`` tells.
     """
-    k, last = int(turned(ax, ay)) % DEPTH_SECTORS, int(turned(bx, by)) % DEPTH_SECTORS
+    k, last = int(sectors_from_x(ax, ay)) % DEPTH_SECTORS, int(sectors_from_x(bx, by)) % DEPTH_SECTORS
     step = 1 if ax * by - ay * bx >= 0 else DEPTH_SECTORS - 1
     while depth2[i, 1, k] < near2:
         if k == last:

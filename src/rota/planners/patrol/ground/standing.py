@@ -57,7 +57,7 @@ def space_for(
     visits = [region for region in regions if region.demand == "visit"]
     at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)
     if at_limit or any(shapely.disjoint(region.shape, space) for region in visits):
-        space, sure = _drawn(mission, body_m, fine_arc_corners(body_m))
+        space, sure = _draw(mission, body_m, fine_arc_corners(body_m))
     if space.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
     for region in visits:
@@ -89,13 +89,13 @@ def has_many_corners(mission: Mission) -> bool:
 def _drawn_coarsely(mission: Mission, body_radius_m: float) -> tuple[MultiPolygon, MultiPolygon]:
     """Where the centre of a body may be, and surely comes to, with few corners."""
     if not has_many_corners(mission):
-        return _drawn(mission, body_radius_m, ARC_CORNERS)
+        return _draw(mission, body_radius_m, ARC_CORNERS)
     space, sure = _anywhere(mission, body_radius_m, COARSE_ARC_CORNERS)
     space = with_pockets_opened(mission, space, body_radius_m)
     return _behind_entrances(mission, space, sure, body_radius_m, COARSE_ARC_CORNERS)
 
 
-def _drawn(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
+def _draw(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
     """The same with so many corners of a whole turn."""
     space, sure = _anywhere(mission, body_radius_m, arc_corners)
     return _behind_entrances(mission, space, sure, body_radius_m, arc_corners)

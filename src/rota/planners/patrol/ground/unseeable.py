@@ -42,7 +42,7 @@ def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...],
     sight: from where robots surely come to. What is out of range is known to the last digit; what walls hide is
     counted in pieces, first in few.
     """
-    asked = all_asked(regions)
+    asked = ground_asked_for(regions)
     near = area_in_range(sight.space, sight.robot, 0.0)
     far, allowed_m2 = out_of_range(asked, near, sight), MOST_EXCLUDED * asked.area
     is_refused = mission.unseeable == "refuse" and not far.is_empty
@@ -63,7 +63,7 @@ def refuse_unseeable(
     """Raise NoPlanFound when nobody can see some of the points, and the mission refuses that; they are told."""
     if mission.unseeable != "refuse" or not len(hopeless):
         return
-    asked = all_asked(regions)
+    asked = ground_asked_for(regions)
     found = unseeable_ground(asked, sight)
     if found.shape.is_empty:
         round_m = 1e-9 + np.sqrt(points.area_m2[hopeless]) / 2
@@ -92,7 +92,7 @@ def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, rounds: int =
         at_edge = _beside_others(boxes, hidden) if turn < rounds else np.zeros(len(boxes), dtype=np.bool_)
         shapes += list(pieces[hidden & ~at_edge])
         m2 += float(shapely.area(pieces[hidden & ~at_edge]).sum())
-        pieces, boxes = _quartered(pieces[at_edge], boxes[at_edge])
+        pieces, boxes = _quarter(pieces[at_edge], boxes[at_edge])
     return Unseeable(shapely.union_all(shapes), m2)
 
 
@@ -117,7 +117,7 @@ def _both(far: BaseGeometry, hidden: Unseeable) -> Unseeable:
     return Unseeable(shapely.union_all([far, hidden.shape]), float(far.area) + hidden.m2)
 
 
-def all_asked(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
+def ground_asked_for(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
     """All ground of which every point must be seen."""
     return shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
 
@@ -148,12 +148,12 @@ def _cut_up(ground: BaseGeometry, side_m: float) -> tuple[NDArray[np.object_], N
         wide_m = max(x1 - x0, y1 - y0)
         pieces, boxes = np.array([ground]), np.array([shapely.box(x0, y0, x0 + wide_m, y0 + wide_m)])
         while len(pieces) and wide_m > 1.5 * side_m:
-            pieces, boxes = _quartered(pieces, boxes)
+            pieces, boxes = _quarter(pieces, boxes)
             wide_m /= 2
     return pieces, boxes
 
 
-def _quartered(
+def _quarter(
     pieces: NDArray[np.object_], boxes: NDArray[np.object_]
 ) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
     """The pieces (n,) in the quarters of their boxes (n,): those that are joined, each with its quarter."""

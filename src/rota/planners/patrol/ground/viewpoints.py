@@ -23,8 +23,8 @@ from rota.planners.patrol.ground.samples import (
     Rows,
     SamplePoints,
     known_walls,
-    laid_out,
     lattice,
+    lay_out,
     one_a_cell,
 )
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
@@ -84,12 +84,12 @@ def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, sampl
     """Samples that each place (n, 2) sees: starts (n + 1,) and indices into the prepared samples."""
     reach, square = sensor_arguments(robot, range_margin_m)
 
-    def seen_from(some_m: Floats) -> Rows:
+    def rows_seen_from(some_m: Floats) -> Rows:
         x, y = np.ascontiguousarray(some_m[:, 0]), np.ascontiguousarray(some_m[:, 1])
         start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
         return start, items.astype(np.int64)
 
-    found = side_by_side(seen_from, np.array_split(places_m, 1 + len(places_m) // PLACES_TOGETHER))
+    found = side_by_side(rows_seen_from, np.array_split(places_m, 1 + len(places_m) // PLACES_TOGETHER))
     sizes = np.concatenate([np.diff(start) for start, _ in found])
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
 
@@ -168,9 +168,9 @@ def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
     """
     space, walls, robot, margin_m = sight
     reach_m, _ = sensor_arguments(robot, 0.0)
-    points, samples, _ = laid_out(points, walls, robot)
+    points, samples, _ = lay_out(points, walls, robot)
 
-    def seen_from(place_m: Floats) -> Ints:
+    def rows_seen_from(place_m: Floats) -> Ints:
         return what_places_see(place_m[None], robot, margin_m, samples)[1]
 
     candidates_m = candidate_places(space, CANDIDATE_SPACING * reach_m, COARSEST_SPACING * reach_m)
@@ -179,18 +179,18 @@ def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
     further_m, left = search_unseen(
         np.flatnonzero(unseen),
         lambda i: place_that_sees(points.xy_m[i], float(points.visit_m[i]), space, walls, robot, margin_m),
-        seen_from,
+        rows_seen_from,
     )
     if not len(left):
         return SeenPoints(points, samples, np.vstack([candidates_m, further_m]), left, left)
     nearest_m, ranges_m = nearest_places(points.xy_m[left], space, walls, robot)
     fitted = _with_shrink_fitted(points, left, ranges_m, sight)
-    points, samples, order = laid_out(fitted, walls, robot, known=known_walls(samples))
+    points, samples, order = lay_out(fitted, walls, robot, known=known_walls(samples))
     left = np.argsort(order)[left]
     in_range = {
         int(i): nearest_m[k] for k, i in enumerate(left) if reach_m - ranges_m[k] > HAIR_M and points.visit_m[i] == 0
     }
-    last_m, hidden = search_unseen(left, in_range.get, seen_from)
+    last_m, hidden = search_unseen(left, in_range.get, rows_seen_from)
     surely = np.isin(hidden, left[(ranges_m > reach_m) | (points.visit_m[left] > 0)])
     return SeenPoints(points, samples, np.vstack([candidates_m, further_m, last_m]), hidden, hidden[surely])
 

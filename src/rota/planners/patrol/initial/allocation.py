@@ -13,7 +13,7 @@ from rota.model.mission import inner_reach_m
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import PlaceGroup, class_groups, place_groups, shared_tour, tours_apart
-from rota.planners.patrol.initial.nested_loops import can_nest, nested, slowest
+from rota.planners.patrol.initial.nested_loops import can_nest, nest_tours, slowest
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.settings import AllocationSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -245,7 +245,7 @@ def nested_allocations(
         if min(hubs, default=math.inf) < least_slack:
             continue
         for estimate in settings.estimates:
-            loops = nested(
+            loops = nest_tours(
                 problem, base.groups, base.tours, base.ideal_m,
                 least_slack=least_slack, separate=separate, estimate=estimate,
             )  # fmt: skip

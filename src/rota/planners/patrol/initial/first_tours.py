@@ -41,7 +41,7 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
         for c in classes
     ]
 
-    def expected(groups: tuple[tuple[int, ...], ...]) -> tuple[int, float]:
+    def expectation(groups: tuple[tuple[int, ...], ...]) -> tuple[int, float]:
         shares = []
         for group in groups:
             swept = problem.swath_m * problem.pace_m_s * problem.periods_s[group[0]]
@@ -57,7 +57,7 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
             else:
                 groups[-1] = (*groups[-1], c)
         groupings.append(tuple(groups))
-    return iter(sorted(groupings, key=expected))
+    return iter(sorted(groupings, key=expectation))
 
 
 @dataclass(frozen=True, kw_only=True)

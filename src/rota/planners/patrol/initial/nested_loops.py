@@ -78,7 +78,7 @@ def excursions(tour: Tour, ideal_m: float, slow_s: float, estimate: ExcursionEst
     return apart if petals and apart.spare_m > LEAST_SEPARATE * together.spare_m else together
 
 
-def nested(
+def nest_tours(
     problem: Problem,
     groups: list[PlaceGroup],
     tours: list[Tour],

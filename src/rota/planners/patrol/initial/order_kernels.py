@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 
 @kernel
@@ -66,7 +66,7 @@ def two_opt_at(a: int, d: Any, near: Any, least: float, order: Any, place: Any) 
     return False
 
 
-@compiled
+@allocation_free
 def reverse_places(first: int, last: int, order: Any, place: Any) -> None:
     """Reverse the cyclic stretch of places first..last of a tour: order (n,), and place (n,) where each of it is."""
     n = order.shape[0]

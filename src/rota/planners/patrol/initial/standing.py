@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.ground.samples import laid_out
+from rota.planners.patrol.ground.samples import lay_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints
 from rota.planners.patrol.tours.tour import Tour
 
@@ -45,7 +45,7 @@ def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[T
     best = tours
     while least < most:
         few = (least + most) // 2
-        fewer = all_seen_by(problem, tours[:few], wanted)
+        fewer = move_until_all_is_seen(problem, tours[:few], wanted)
         if fewer is None:
             least = few + 1
         else:
@@ -53,9 +53,9 @@ def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[T
     return best
 
 
-def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour] | None:
+def move_until_all_is_seen(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour] | None:
     """The tours moved until they see all wanted samples; None when annealing does not get there."""
-    points, samples, _ = laid_out(problem.points[wanted], problem.walls, problem.robot)
+    points, samples, _ = lay_out(problem.points[wanted], problem.walls, problem.robot)
     # seeing a sample is worth more than any way within the budgets
     weight = 1.0 + points.area_m2 / points.area_m2.mean()
     search = Annealing(

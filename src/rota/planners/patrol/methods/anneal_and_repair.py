@@ -49,7 +49,7 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
         over_limit = excess_share(context, search.tours) > settings.over_budget_limit
         if context.should_stop() or search.unseen_share > unseen_limit or over_limit:
             break
-        search = context.run(annealed_once_more, search, extra, stage, seed=seed + 1 + turn)
+        search = context.run(anneal_once_more, search, extra, stage, seed=seed + 1 + turn)
         if turn + 1 < len(settings.first_stages):
             continue
         if bends and excess_share(context, search.tours) > settings.bent_over_budget_limit:
@@ -77,7 +77,7 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
     return least_excess
 
 
-def annealed_once_more(context: Context, search: Annealed, extra: SamplePoints, stage: Stage, *, seed: int) -> Annealed:
+def anneal_once_more(context: Context, search: Annealed, extra: SamplePoints, stage: Stage, *, seed: int) -> Annealed:
     """The annealing that begins with the tours of another, with this stage's heat, weight and reserve."""
     settings = context.settings.alternation
     stage = stage._replace(heat=max(stage.heat, settings.least_heat))

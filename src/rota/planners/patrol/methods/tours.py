@@ -10,7 +10,7 @@ from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large
-from rota.planners.patrol.methods.sweeping.first_plan import swept
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
 
 
@@ -24,7 +24,7 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
     if is_large(context):
         return fewest_on_large(with_best_bound(context), fewest_robots)
     without = problem.is_ragged or all(robots_stand(problem, period_s) for period_s in problem.periods_s)
-    lanes = None if without else swept(context, EARLY)
+    lanes = None if without else sweep(context, EARLY)
     if lanes is not None and lanes.robots <= context.enough_robots:
         return lanes
     if not context.keeps_first_tours:  # else it is proved beside the repair of these

@@ -13,7 +13,7 @@ from rota.planners.patrol.ground.keeping_off import keeping_off
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.repair.detours import least_detour, with_detour
 from rota.planners.patrol.tours.tour import Tour
-from rota.planners.patrol.traffic.bodies.lanes import led_along
+from rota.planners.patrol.traffic.bodies.lanes import lead_along
 
 
 def clear_of_who_stays(problem: Problem, tours: list[Tour]) -> tuple[Problem, list[Tour]]:
@@ -31,7 +31,7 @@ def clear_of_who_stays(problem: Problem, tours: list[Tour]) -> tuple[Problem, li
     if clear is problem:
         return problem, tours
     parts, paths = clear.paths.parts, clear.paths
-    return clear, [led_along(t, t.vertices_m, MultiPolygon([parts[t.component]]), paths, 0.0) for t in tours]
+    return clear, [lead_along(t, t.vertices_m, MultiPolygon([parts[t.component]]), paths, 0.0) for t in tours]
 
 
 def past_where_they_wait(problem: Problem, tours: Sequence[Tour]) -> list[Tour]:

@@ -14,7 +14,7 @@ from rota.geometry.line_of_sight import points_inside, segments_free
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.ground.samples import SamplePoints, laid_out
+from rota.planners.patrol.ground.samples import SamplePoints, lay_out
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoints import place_that_sees, what_places_see
@@ -41,7 +41,7 @@ def ways_to_hidden(problem: Problem, tours: Sequence[Tour], hidden: SamplePoints
     if not problem.is_ragged:
         places_m = [last_place(problem, hidden, i) for i in range(len(hidden))]
         return [(place[None], int(hidden.period[i])) for i, place in enumerate(places_m) if place is not None]
-    hidden, samples, _ = laid_out(hidden, problem.walls, problem.robot)
+    hidden, samples, _ = lay_out(hidden, problem.walls, problem.robot)
     seen_m2 = [places_in_view(problem, xy_m).area for xy_m in hidden.xy_m]
     vertices_m = np.vstack([tour.vertices_m for tour in tours])
     ways: list[tuple[Floats, int]] = []

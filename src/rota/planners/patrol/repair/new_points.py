@@ -14,7 +14,7 @@ from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
+from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.repair.detours import ON_ROUTE_M
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.verdict import Verdict
@@ -61,7 +61,7 @@ def new_points(
         first = np.sort(first)[:: max(1, len(first) // most)]
         new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shorter_m)
         samples.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
-    return joined(samples)
+    return join(samples)
 
 
 def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tuple[Ints, Floats]:

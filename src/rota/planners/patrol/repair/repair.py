@@ -14,13 +14,13 @@ from rota.model.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.driving.driving import driving_of
-from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepare_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
-from rota.planners.patrol.ground.limits_of_sight import drawn_to_border
+from rota.planners.patrol.ground.limits_of_sight import draw_to_border
 from rota.planners.patrol.ground.nooks import nooks_of
-from rota.planners.patrol.ground.problem import Problem, stretched
+from rota.planners.patrol.ground.problem import Problem, stretch_periods
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out
+from rota.planners.patrol.ground.samples import SamplePoints, join, lay_out
 from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
@@ -29,10 +29,10 @@ from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
-from rota.planners.patrol.tours.curves import curved
-from rota.planners.patrol.tours.timetable import as_trajectories, begun_by_autopilots
-from rota.planners.patrol.tours.tour import Tour, driven, over_budget_share, tour_length_m
-from rota.planners.patrol.traffic.bodies.reroutes import rerouted
+from rota.planners.patrol.tours.curves import curve_tours
+from rota.planners.patrol.tours.timetable import as_trajectories, begin_by_autopilots
+from rota.planners.patrol.tours.tour import Tour, over_budget_share, tour_length_m, unfold_nests
+from rota.planners.patrol.traffic.bodies.reroutes import reroute
 from rota.planners.patrol.traffic.bodies.timing import timed_rounds
 from rota.planners.patrol.verdict import Verdict
 
@@ -88,11 +88,11 @@ def plan_of(
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Plan:
     """The plan that drives these tours, with the bound; the fleet's names for robots, or robot-1, robot-2, ..."""
-    ways = driven(tours)
-    rounds = timed_rounds(curved(ways, problem.paths.grid, should_stop), problem.robot.body_radius_m)
+    ways = unfold_nests(tours)
+    rounds = timed_rounds(curve_tours(ways, problem.paths.grid, should_stop), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
-    trajectories = begun_by_autopilots(ways, as_trajectories(rounds, names[: len(rounds)]))
+    trajectories = begin_by_autopilots(ways, as_trajectories(rounds, names[: len(rounds)]))
     return Plan(
         mission=problem.mission,
         trajectories=trajectories,
@@ -124,7 +124,7 @@ def repair_until_feasible(
     if may_add and context.problem.is_ragged:
         problem, tours = clear_of_who_stays(context.problem, tours)
         context = replace(context, problem=problem)
-        extra = joined([extra, missed_nooks(context, tours)])
+        extra = join([extra, missed_nooks(context, tours)])
         with ThreadPoolExecutor(max_workers=1) as pool:  # tours are led on one core
             proved = pool.submit(with_best_bound, context)
             tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
@@ -174,9 +174,9 @@ def seeing_all(
     problem = context.problem
     if context.should_stop():
         return [with_robots(tour) for tour in tours] if may_add else tours
-    points, samples = prepared_with(problem, extra)
+    points, samples = prepare_with(problem, extra)
     lead = bent if bends else see_the_rest
-    tours = drawn_to_border(
+    tours = draw_to_border(
         lead(context, tours, points, samples, seed=seed), problem.border_places_m, problem.space, problem.paths,
         near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
     )  # fmt: skip
@@ -196,7 +196,7 @@ def seeing_missed(context: Context, tours: list[Tour], missed: SamplePoints, *, 
     problem = context.problem
     if not len(missed):
         return tours
-    points, samples, _ = laid_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
+    points, samples, _ = lay_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
     tours = led_to_the_rest(context, tours, points, samples, seed=seed)
     return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
 
@@ -213,12 +213,12 @@ def judged(
     plan = plan_of(problem, tours, seed=context.seed, bound=context.bound, should_stop=context.should_stop)
     shown = plan
     if eased_by > 0:
-        easier = stretched(problem, 1 + eased_by)
+        easier = stretch_periods(problem, 1 + eased_by)
         shown = plan_of(easier, tours, seed=context.seed, should_stop=context.should_stop)
     verdict = context.judge(shown)
     shorter = shorter_m(context, tours, turn, bends=bends)
     new = new_points(context, tours, verdict, turn, shorter_m=shorter)
-    return Repaired(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, new]), eased=eased_by > 0)
+    return Repaired(tours=tours, plan=plan, verdict=verdict, extra=join([extra, new]), eased=eased_by > 0)
 
 
 def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
@@ -226,11 +226,11 @@ def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
     problem = context.problem
     points = no_points() if context.should_stop() else nooks_of(problem)
     if len(points):
-        points, samples, _ = laid_out(points, problem.walls, problem.robot)
+        points, samples, _ = lay_out(points, problem.walls, problem.robot)
         points = points[annealing_of(context, tours, samples, length_weight=1.0, seed=context.seed).unseen_samples]
     if not len(points):
         return points
-    points, samples, _ = laid_out(points, problem.walls, problem.robot)
+    points, samples, _ = lay_out(points, problem.walls, problem.robot)
     _, seen = what_places_see(problem.viewpoints.xy_m, problem.robot, problem.range_margin_m, samples)
     further = [i for i in np.setdiff1d(np.arange(len(points)), seen) if last_place(problem, points, int(i)) is not None]
     return points[np.concatenate([np.unique(seen), further]).astype(np.int64)]
@@ -277,7 +277,7 @@ def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bo
         cut = cut_where_bodies_touch(problem, tours)
         if len(cut) > len(tours):
             return cut
-    return rerouted(driven(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
+    return reroute(unfold_nests(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
 
 
 def with_robots(tour: Tour) -> Tour:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, known_walls, laid_out
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.repair.detours import visit_places
 from rota.planners.patrol.tours.tour import Tour
 
@@ -48,7 +48,7 @@ def led_to_the_rest(
         left = len(unseen)
         if problem.is_ragged:
             known, weight = known_walls(samples, unseen), samples.weight[unseen]
-            points, samples, _ = laid_out(points[unseen], problem.walls, problem.robot, weight=weight, known=known)
+            points, samples, _ = lay_out(points[unseen], problem.walls, problem.robot, weight=weight, known=known)
             unseen = np.arange(left)
         further = turn == 0 or not problem.is_ragged
         longer = visit_places(problem, tours, points, samples, unseen, further=further)

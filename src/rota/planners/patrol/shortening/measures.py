@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.tours.tour import Tour, driven, nests, tour_length_m
+from rota.planners.patrol.tours.tour import Tour, nests, tour_length_m, unfold_nests
 
 GAIN = 1e-6  # share by which loops must be shorter to count as such
 HOPELESS = 1.005  # times as long: later rounds of repair take half a percent back, hardly ever more
@@ -14,12 +14,12 @@ HOPELESS = 1.005  # times as long: later rounds of repair take half a percent ba
 
 def loops_m(tours: Sequence[Tour]) -> float:
     """Metres of one round of every loop as it is driven, turning counted as the metres that take the same time."""
-    return sum(tour_length_m(tour) for tour in driven(tours))
+    return sum(tour_length_m(tour) for tour in unfold_nests(tours))
 
 
 def turning_rad(tours: Sequence[Tour]) -> float:
     """By how much the direction changes in one round of every loop as it is driven, in all."""
-    return float(sum(turns_rad(tour.vertices_m).sum() for tour in driven(tours)))
+    return float(sum(turns_rad(tour.vertices_m).sum() for tour in unfold_nests(tours)))
 
 
 def rounds_of(tours: Sequence[Tour]) -> list[int]:

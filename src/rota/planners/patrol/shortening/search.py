@@ -17,7 +17,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import known_walls, laid_out
+from rota.planners.patrol.ground.samples import known_walls, lay_out
 from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
@@ -169,7 +169,7 @@ def annealed_for_length(
 def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings) -> Samples:
     """The problem's ground as other samples, but for what these tours do not see at full reach: nobody can see that."""
     points, _ = points_of_regions(problem.regions, problem.space, problem.robot, sampling)
-    points, samples, _ = laid_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
+    points, samples, _ = lay_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
     legs, places_m = layout.laid_out(tours, LONGEST_LEG * problem.reach_m)
     further_m = float(samples.shrink_m.max(initial=0.0))
     sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
@@ -177,9 +177,9 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
     if seen.all():
         return samples
     known = known_walls(samples, np.flatnonzero(seen))
-    return laid_out(
-        points[seen], problem.walls, problem.robot, weight=metres_worth(problem, points[seen]), known=known
-    )[1]
+    return lay_out(points[seen], problem.walls, problem.robot, weight=metres_worth(problem, points[seen]), known=known)[
+        1
+    ]
 
 
 def reaches(problem: Problem) -> float:

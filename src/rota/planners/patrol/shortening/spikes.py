@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from rota.geometry.kernels import free_segments
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.ground.extra_points import UNSEEN_WEIGHT, no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import UNSEEN_WEIGHT, no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, known_walls, laid_out
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.tours.tour import Tour, hubs_and_petals
 
 Floats = NDArray[np.float64]
@@ -41,7 +41,7 @@ def spikes(problem: Problem, tours: Sequence[Tour]) -> list[Spike]:
     A spike has one to three corners. The way past them is at least twice as long as straight on, by a quarter of the
     reach or more, and they see less than a tenth of what a lane would see that is as long as the detour.
     """
-    points, samples = prepared_with(problem, no_points())
+    points, samples = prepare_with(problem, no_points())
     found: list[Spike] = []
     for spike in sorted(detours(problem, tours), key=lambda detour: -detour.saved_m):
         if any(_meet(spike, other, len(tours[spike.tour].vertices_m)) for other in found):
@@ -66,7 +66,7 @@ def samples_near(problem: Problem, tour: Tour, spike: Spike, points: SamplePoint
     if not len(near):
         return None
     known, weight = known_walls(samples, near), samples.weight[near]
-    return laid_out(points[near], problem.walls, problem.robot, weight=weight, known=known)[1]
+    return lay_out(points[near], problem.walls, problem.robot, weight=weight, known=known)[1]
 
 
 def detours(problem: Problem, tours: Sequence[Tour]) -> Iterator[Spike]:

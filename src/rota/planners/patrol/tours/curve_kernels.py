@@ -47,7 +47,7 @@ class Leg(NamedTuple):
 
 
 @kernel
-def _wrapped(angle):
+def _wrap(angle):
     """The angle in 0..2 pi; what rounding leaves just below 2 pi is 0."""
     angle = angle % FULL
     return 0.0 if angle > FULL - NO_TURN_RAD else angle
@@ -95,11 +95,11 @@ def word_pieces(word, d, a, b, pieces):
         else:
             first = -a - math.atan2(ca - cb, d + sa - sb) + middle / 2
             last = b - a - first + middle
-        pieces[:] = _wrapped(first), middle, _wrapped(last)
+        pieces[:] = _wrap(first), middle, _wrap(last)
         return True
     if p2 < NO_TURN_RAD**2 and word < 2:  # one arc: where it would go straight has no direction
         first, last = (b - a, 0.0) if word == 0 else (a - b, 0.0)
-    pieces[:] = _wrapped(first), math.sqrt(max(p2, 0.0)), _wrapped(last)
+    pieces[:] = _wrap(first), math.sqrt(max(p2, 0.0)), _wrap(last)
     return True
 
 

@@ -38,7 +38,7 @@ def _never() -> bool:
     return False
 
 
-def curved(tours: Sequence[Tour], grid: EdgeGrid, should_stop: Callable[[], bool] = _never) -> list[Tour]:
+def curve_tours(tours: Sequence[Tour], grid: EdgeGrid, should_stop: Callable[[], bool] = _never) -> list[Tour]:
     """The tours as their robots drive them in the space of the grid; the same tours where robots turn on the spot.
 
     Curves may leave the space where the search is to stop.
@@ -62,7 +62,7 @@ def closed_curve(
     """
     curve = _Curve(timeable(vertices_m), radius_m * RADIUS_TO_SPARE, grid, closed=True)
     for _ in range(2 * len(vertices_m)):
-        eased = curve.eased() if len(curve.points_m) > 1 and not should_stop() else None
+        eased = curve.ease() if len(curve.points_m) > 1 and not should_stop() else None
         if eased is None:
             break
         curve = eased
@@ -113,7 +113,7 @@ class _Curve:
 
         The tangent to the next arc is approached quadratically; what is left of the first arc is soon no turn at all.
         """
-        chosen = self._solved()[2]
+        chosen = self._solve()[2]
         corners = self.corners_m()[1:3]
         if len(corners) < 2:
             return
@@ -127,14 +127,14 @@ class _Curve:
 
     def corners_m(self) -> Floats:
         """The corners (m, 2) of its legs, both ends among them."""
-        points, headings, chosen = self._solved()
+        points, headings, chosen = self._solve()
         driven = headings[np.arange(len(chosen)), chosen]
         words = self._words[np.arange(len(chosen) - 1), chosen[:-1], chosen[1:]]
         return np.asarray(curve_corners(points, driven, words, self._radius_m))
 
-    def eased(self) -> _Curve | None:
+    def ease(self) -> _Curve | None:
         """A closed curve with one point moved or left out, whose legs meet fewer walls; None where none is better."""
-        blocked = self._blocked()
+        blocked = self._legs_into_walls()
         if not len(blocked):
             return None
         n, k = len(self.points_m), int(blocked[0])
@@ -172,7 +172,7 @@ class _Curve:
         shortest_words(leg, self._radius_m, self._grid, False, self._lengths[k], self._words[k])
         self._looked[k] = False
 
-    def _solved(self) -> tuple[Floats, Floats, Ints]:
+    def _solve(self) -> tuple[Floats, Floats, Ints]:
         """Its points (k, 2) from end to end, their headings (k, 26), and which of these are best (k,)."""
         ring = np.arange(len(self.points_m) + self._closed) % len(self.points_m)
         points, headings = self.points_m[ring], self._headings[ring]
@@ -187,13 +187,13 @@ class _Curve:
         """The lengths of its legs; of those that meet walls BLOCKED_M more."""
         if len(self.points_m) == 1:
             return np.zeros(1)
-        chosen = self._solved()[2]
+        chosen = self._solve()[2]
         return np.asarray(self._lengths[np.arange(len(chosen) - 1), chosen[:-1], chosen[1:]])
 
     def _length_m(self) -> float:
         return float(self._driven_m().sum())
 
-    def _blocked(self) -> Ints:
+    def _legs_into_walls(self) -> Ints:
         """The legs that meet walls, whatever the headings."""
         return np.flatnonzero(self._driven_m() >= BLOCKED_M)
 

@@ -14,7 +14,7 @@ from rota.planners.patrol.driving.at_once import SLOWER
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, timeable
-from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.tours.tour import Pace, Tour
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ def line_of(places_m: Floats) -> shapely.LineString | shapely.Point:
     return shapely.LineString(places_m) if moves else shapely.Point(places_m[0])
 
 
-def stretched(line: TimedLine, duration_s: float) -> TimedLine:
+def stretch_line(line: TimedLine, duration_s: float) -> TimedLine:
     """The round driven slower, so that it takes exactly ``duration_s``; pauses stay as long as they are.
 
     A round that takes longer already is left as it is, and so is a robot that stays.
@@ -67,14 +67,14 @@ def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> TimedLine:
         keep = arrives_s > 0
         times_s.append(k * round_s + arrives_s[keep])
         places.append(ends[keep])
-    return started_at(steady(np.concatenate(times_s), np.vstack(places)), pace.lead_m / speed_m_s)
+    return start_at(steady(np.concatenate(times_s), np.vstack(places)), pace.lead_m / speed_m_s)
 
 
 def evenly_spaced(line: TimedLine, robots: int, offset_s: float = 0.0) -> list[TimedLine]:
     """The rounds of the robots that share one at equal headways; the first begins ``offset_s`` into it."""
     if line.stays:
         return [line] * robots
-    return [started_at(line, offset_s + k * line.duration_s / robots) for k in range(robots)]
+    return [start_at(line, offset_s + k * line.duration_s / robots) for k in range(robots)]
 
 
 def as_trajectories(rounds: Sequence[TimedLine], names: Sequence[str]) -> tuple[Trajectory, ...]:
@@ -91,7 +91,7 @@ def as_trajectories(rounds: Sequence[TimedLine], names: Sequence[str]) -> tuple[
     )
 
 
-def begun_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory]) -> tuple[Trajectory, ...]:
+def begin_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory]) -> tuple[Trajectory, ...]:
     """The trajectories of robots that share tours evenly, of those with autopilots as these can begin them.
 
     Those stay as they are whose timing keeps bodies apart: by other phases, or slower than their autopilots fly.
@@ -106,6 +106,6 @@ def begun_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory
             begins_m = line.at(np.array([share * line.duration_s]))[0]
             as_fast = abs(line.duration_s - trajectory.loop_duration_s) <= SHORTEST_WAIT_S
             if as_fast and np.hypot(*(begins_m - trajectory.positions_m[0])) <= SHORTEST_LEG_M:
-                made = driving.begun_at_a_corner(trajectory.robot, tour.vertices_m, share * line.duration_s)
+                made = driving.begin_at_a_corner(trajectory.robot, tour.vertices_m, share * line.duration_s)
         begun.append(made or trajectory)
     return tuple(begun)

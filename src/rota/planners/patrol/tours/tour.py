@@ -134,7 +134,7 @@ def room_m(tours: Sequence[Tour], k: int) -> float:
     raise IndexError(k)
 
 
-def driven(tours: Sequence[Tour]) -> list[Tour]:
+def unfold_nests(tours: Sequence[Tour]) -> list[Tour]:
     """The tours as robots drive them: of each nest one long tour a robot, hub and petals in turn, at the slow period.
 
     Rounds of a robot alone whose petal is empty are left out: what they see is seen again sooner.

@@ -18,13 +18,13 @@ from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.fewest.longer_headways import (
     least_lacking_m,
+    mission_with_longer_headways,
     on_other_terms,
     reaching_less,
-    seen_for_long,
     with_longer_headways,
     with_time_in_sight,
 )
-from rota.planners.patrol.methods.sweeping.first_plan import swept
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.tours.tour import tour_length_m
@@ -34,7 +34,7 @@ FAR = replace(YARD, obstacles=(), period_s=15, fleet=replace(YARD.fleet, sensor=
 
 def shared_by(robots: int, lacking_m: float) -> tuple[Context, Repaired]:
     """A short loop round the yard, and a search whose period leaves each of so many robots that many metres too few."""
-    plan = swept(search_on(FAR), EARLY)
+    plan = sweep(search_on(FAR), EARLY)
     assert plan is not None
     (loop,) = with_better_loops(search_on(FAR), plan).tours
     period_s = (tour_length_m(loop) / robots - lacking_m) / FAR.fleet.speed_m_s
@@ -72,7 +72,7 @@ def test_what_only_the_whole_reach_sees_is_not_given_up() -> None:
     no_fly = Obstacle(shape=MultiPolygon([box(24.1, 0, 30, 20)]), blocks="motion")
     deep = replace(FAR, period_s=context.problem.mission.period_s, obstacles=(no_fly,), unseeable="refuse")
     with pytest.raises(NoPlanFound):
-        set_up_problem(seen_for_long(deep, 1.0))
+        set_up_problem(mission_with_longer_headways(deep, 1.0))
     assert with_longer_headways(replace(context, problem=set_up_problem(deep)), found) is found
 
 
@@ -113,11 +113,11 @@ def test_periods_are_longer_but_for_visits() -> None:
         Zone(name="free", shape=YARD.area.buffer(-8.0), period_s=None),
     )
     mission = replace(YARD, zones=zones)
-    longer = seen_for_long(mission, 2.0)
+    longer = mission_with_longer_headways(mission, 2.0)
     more_s = 2.0 / YARD.fleet.speed_m_s
     assert [zone.period_s for zone in longer.zones] == [20.0, 30.0 + more_s, None]
     assert longer.period_s == YARD.period_s + more_s
-    assert seen_for_long(replace(mission, period_s=None), 2.0).period_s is None
+    assert mission_with_longer_headways(replace(mission, period_s=None), 2.0).period_s is None
 
 
 def test_tours_get_the_class_of_their_longer_period() -> None:
@@ -128,7 +128,7 @@ def test_tours_get_the_class_of_their_longer_period() -> None:
         Zone(name="gate", shape=east, period_s=30.0, demand="visit"),
     )
     mission = replace(YARD, zones=zones, period_s=None)
-    problem, easier = set_up_problem(mission), set_up_problem(seen_for_long(mission, 1.0))
+    problem, easier = set_up_problem(mission), set_up_problem(mission_with_longer_headways(mission, 1.0))
     assert problem.periods_s == (29.9, 30.0)
     assert easier.periods_s == (30.0, 29.9 + 1.0 / YARD.fleet.speed_m_s)
     _, found = shared_by(2, 0.1)

@@ -9,7 +9,7 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.initial.allocation import period_groupings
-from rota.planners.patrol.methods.fewest.multistart import annealed_in_full, least_of_each
+from rota.planners.patrol.methods.fewest.multistart import anneal_in_full, least_of_each
 from rota.planners.patrol.settings import MultistartSettings
 
 
@@ -43,11 +43,11 @@ def test_annealings_differ_by_their_seeds_and_come_in_the_order_in_which_they_be
     context = replace(context, settings=settings)
     grouping = period_groupings(context.problem, 1)[0]
     shared = [grouping.with_robots([robots]).tours for robots in (2, 3)[:begun]]
-    searches = annealed_in_full(context, shared, seed=4)
+    searches = anneal_in_full(context, shared, seed=4)
     assert len(searches) == count
     shapes = {np.vstack([tour.vertices_m for tour in each.tours]).tobytes() for each in searches}
     assert len(shapes) == count
-    again = annealed_in_full(context, shared, seed=4)
+    again = anneal_in_full(context, shared, seed=4)
     assert [each.shortfall_m for each in again] == [each.shortfall_m for each in searches]
     if (begun, seeds) == (2, 1):
         assert [each.tours[0].robots for each in searches] == [2, 3]

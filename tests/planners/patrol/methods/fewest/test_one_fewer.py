@@ -8,8 +8,13 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.efforts import EARLY
-from rota.planners.patrol.methods.fewest.one_fewer import one_fewer, thinned, with_few_robots, with_one_fewer
-from rota.planners.patrol.methods.sweeping.first_plan import swept
+from rota.planners.patrol.methods.fewest.one_fewer import (
+    leave_out_needless_robots,
+    one_fewer,
+    with_few_robots,
+    with_one_fewer,
+)
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.tours.tour import tour_length_m
 
@@ -17,7 +22,7 @@ from rota.planners.patrol.tours.tour import tour_length_m
 @pytest.fixture(scope="module")
 def lanes() -> Repaired:
     """A plan of lanes."""
-    plan = swept(search_on(YARD), EARLY)
+    plan = sweep(search_on(YARD), EARLY)
     assert plan is not None
     return plan
 
@@ -53,6 +58,6 @@ def test_a_plan_is_thinned_and_passes(lanes: Repaired) -> None:
     (tour,) = lanes.tours
     context = search_on(YARD)
     many = replace(lanes, tours=[replace(tour, robots=lanes.robots + 3)])
-    found = thinned(context, many)
+    found = leave_out_needless_robots(context, many)
     assert (found.robots, found.met) == (with_few_robots(tour).robots, True)
-    assert thinned(context, found) is found
+    assert leave_out_needless_robots(context, found) is found

@@ -9,7 +9,7 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.initial.allocation import Allocation, allocations, period_groupings
-from rota.planners.patrol.methods.fewest.screening import screened, successive_halving
+from rota.planners.patrol.methods.fewest.screening import screen, successive_halving
 
 
 @pytest.mark.parametrize(
@@ -54,17 +54,17 @@ def with_limits(context: Context, **limits: float) -> Context:
 
 
 def test_what_leaves_too_much_unseen_is_dropped(quick: Context, candidates: list[Allocation]) -> None:
-    assert screened(with_limits(quick, unseen_limit=-1.0), candidates, seed=3) == []
-    assert len(screened(with_limits(quick, unseen_limit=1.0), candidates, seed=3)) == 2
+    assert screen(with_limits(quick, unseen_limit=-1.0), candidates, seed=3) == []
+    assert len(screen(with_limits(quick, unseen_limit=1.0), candidates, seed=3)) == 2
 
 
 def test_nested_loops_have_limits_and_a_factor_of_their_own(quick: Context, candidates: list[Allocation]) -> None:
     shared = next(allocation for allocation in candidates if len(allocation.tours) == 1)
     both = [replace(shared, nested=True), *[each for each in candidates if each is not shared]]
-    alone = screened(with_limits(quick, unseen_limit=-1.0, nested_unseen_limit=1.0), both, seed=3)
+    alone = screen(with_limits(quick, unseen_limit=-1.0, nested_unseen_limit=1.0), both, seed=3)
     assert [len(tours) for tours in alone] == [1]
     orders = [
-        [len(tours) for tours in screened(
+        [len(tours) for tours in screen(
             with_limits(quick, unseen_limit=1.0, nested_unseen_limit=1.0, nested_factor=factor), both, seed=3)]
         for factor in (0.0, 1e6)
     ]  # fmt: skip
@@ -76,4 +76,4 @@ def test_with_several_seeds_only_those_near_the_best_go_on(quick: Context, candi
         context = with_limits(quick, unseen_limit=1.0, multistart_limit=limit)
         multistart = replace(context.settings.multistart, seeds=seeds)
         context = replace(context, settings=replace(context.settings, multistart=multistart))
-        assert len(screened(context, candidates, seed=3)) == count
+        assert len(screen(context, candidates, seed=3)) == count

@@ -18,7 +18,7 @@ from rota.check import check_plan
 from rota.command.cli import app
 from rota.files.plan_file import read_plan
 from rota.model.mission import DiscSensor, Fleet, Mission, Zone
-from rota.planners.patrol.ground.problem import Problem, set_up_problem, stretched
+from rota.planners.patrol.ground.problem import Problem, set_up_problem, stretch_periods
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
 from rota.planners.patrol.methods.fixed_team.team_tours import with_bystanders
 from rota.planners.patrol.planner_settings import Method, PatrolSettings
@@ -186,7 +186,7 @@ def test_stretched_periods_are_stretched_everywhere() -> None:
         Zone(name="quick", shape=MultiPolygon([box(0, 0, 5, 5)]), period_s=4),
         Zone(name="spare", shape=MultiPolygon([box(9, 9, 12, 12)]), period_s=None),
     )
-    longer = stretched(set_up_problem(replace(mission, zones=zones)), 1.5)
+    longer = stretch_periods(set_up_problem(replace(mission, zones=zones)), 1.5)
     assert longer.periods_s == (6, 15)
     assert [region.period_s for region in longer.regions] == [6, 15]
     assert [zone.period_s for zone in longer.mission.zones] == [6, None]

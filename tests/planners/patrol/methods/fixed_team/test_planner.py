@@ -20,7 +20,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.methods.fixed_team import planner
-from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, reached, with_shorter_loops
+from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, reach_of, with_shorter_loops
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team, searching_longer_periods
 from rota.planners.patrol.methods.tours import fewest_robots_anywhere
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -50,7 +50,7 @@ def lanes() -> Reached:
     vertices = np.array([*places, (22.5, 4.0), (22.5, 1.5), (1.5, 1.5)], dtype=np.float64)
     tours = [Tour(vertices_m=vertices, period_class=0, period_s=120.0, robots=1, robot=search.problem.robot)]
     plan = plan_of(search.problem, tours, seed=0)
-    return reached(Repaired(tours=tours, plan=plan, verdict=check_plan(plan), extra=no_points()), 1.5)
+    return reach_of(Repaired(tours=tours, plan=plan, verdict=check_plan(plan), extra=no_points()), 1.5)
 
 
 def test_shorter_loops_see_everything_sooner(lanes: Reached) -> None:

@@ -11,7 +11,7 @@ from shapely import LineString, MultiPolygon, Point, box
 import rota
 from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, joined_tour, with_a_helper
+from rota.planners.patrol.methods.fixed_team.team_tours import join_for_team, joined_tour, with_a_helper
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -54,14 +54,14 @@ def test_joined_tours_go_round_both_and_change_over_where_they_are_near(problem:
 
 def test_fewer_robots_than_tours_share_joined_tours(problem: Problem) -> None:
     tours = rings(problem, (0, 0, 4), (6, 0, 4), (20, 20, 10))
-    two = joined_for_team(problem, tours, 2)
+    two = join_for_team(problem, tours, 2)
     assert [one.robots for one in two] == [1, 1]
     # the two short ones are joined: 16 + 16 m and 2 m there and back
     assert sorted(tour_length_m(one) for one in two) == pytest.approx([36, 40])
-    (alone,) = joined_for_team(problem, tours, 1)
+    (alone,) = join_for_team(problem, tours, 1)
     assert alone.robots == 1
     assert tour_length_m(alone) > 76
-    assert [one.robots for one in joined_for_team(problem, tours, 4)] == [1, 1, 2]
+    assert [one.robots for one in join_for_team(problem, tours, 4)] == [1, 1, 2]
 
 
 def test_each_part_of_the_ground_gets_a_robot_of_its_own() -> None:

@@ -16,11 +16,11 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
-from rota.planners.patrol.methods.large.districts import by_districts, joined
+from rota.planners.patrol.methods.large.districts import by_districts, join
 from rota.planners.patrol.methods.large.search import (
     fewest_on_large,
     is_large,
-    repaired_together,
+    repair_together,
 )
 from rota.planners.patrol.methods.sweeping.search import sweep_sequentially
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -88,7 +88,7 @@ def test_districts_searched_by_themselves_give_one_plan() -> None:
     # 604 m2 to be seen point by point are 38 squares of 4 m
     missions = missions_of(STREETS, boxes_for(context.problem.asked_m2, 25 * 4**2), 16.0)
     assert len(missions) == 2
-    assert met(repaired_together(context, by_districts(context, fewest_robots, missions)).plan)
+    assert met(repair_together(context, by_districts(context, fewest_robots, missions)).plan)
 
 
 def test_other_processes_find_the_same_tours_of_districts() -> None:
@@ -98,7 +98,7 @@ def test_other_processes_find_the_same_tours_of_districts() -> None:
     with LocalProcesses(1) as processes:
         again = by_districts(replace(context, executor=processes), sweep_sequentially, missions)
     assert [len(tours) for tours in found] == [len(tours) for tours in again]
-    for a, b in zip(joined(found), joined(again), strict=True):
+    for a, b in zip(join(found), join(again), strict=True):
         assert np.array_equal(a.vertices_m, b.vertices_m)
         assert a.robots == b.robots
 

@@ -99,9 +99,9 @@ def test_eq_2_velocity_by_hand_and_its_limits() -> None:
 
 
 def test_eq_3_samples_round_either_best_by_hand() -> None:
-    assert update_kernels.sampled(0.4, 0.6, True, 0.5) == pytest.approx(0.4 + 0.5 * 0.2)
-    assert update_kernels.sampled(0.4, 0.6, False, -1.5) == pytest.approx(0.6 - 1.5 * 0.2)
-    assert update_kernels.sampled(0.4, 0.4, True, 30.0) == 0.4
+    assert update_kernels.sample(0.4, 0.6, True, 0.5) == pytest.approx(0.4 + 0.5 * 0.2)
+    assert update_kernels.sample(0.4, 0.6, False, -1.5) == pytest.approx(0.6 - 1.5 * 0.2)
+    assert update_kernels.sample(0.4, 0.4, True, 30.0) == 0.4
 
 
 @pytest.mark.parametrize(("draw", "law"), [("cauchy_draw", stats.cauchy), ("normal_draw", stats.norm)])

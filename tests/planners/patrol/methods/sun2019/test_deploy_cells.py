@@ -113,7 +113,7 @@ def test_nothing_is_seen_from_inside_an_obstacle_and_all_from_its_edge() -> None
 def test_quartered_cells_are_the_same_ground() -> None:
     region = MultiPolygon([box(0, 0, 4, 4)])
     cells = cells_of(region, lattice_over(box(0, 0, 4, 4), 2.0), hidden=NOTHING, border="clipped")
-    finer = cells.quartered(np.array([1, 2]))
+    finer = cells.quarter(np.array([1, 2]))
     assert sorted(shapely.area(finer.shapes).tolist()) == [1.0] * 8 + [4.0] * 2
     assert finer.square.tolist() == [0, 1, 1, 1, 1, 2, 2, 2, 2, 3]
     assert shapely.union_all(finer.shapes).area == 16

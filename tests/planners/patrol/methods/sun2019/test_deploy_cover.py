@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover, undominated
+from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover, leave_out_dominated
 
 
 def lists(sees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -57,7 +57,7 @@ def test_exact_is_as_few_as_brute_force_finds(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_dominance_keeps_a_least_cover(seed: int) -> None:
     sees = random_instance(seed, cells=25)
-    places, cells = undominated(csr_matrix(sees.astype(float)))
+    places, cells = leave_out_dominated(csr_matrix(sees.astype(float)))
     assert fewest(sees[np.ix_(places, cells)]) == fewest(sees)
 
 

@@ -27,7 +27,7 @@ from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
-from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
+from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measure, share_out
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
@@ -242,11 +242,11 @@ def test_lengths_measured_on_routes_move_the_cuts() -> None:
     framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)
     stages = cut_in_segments(framed, robot, paths, settings)
     lengths = np.array([20 * segment.time_s for segment in stages.segments])
-    alike = measured(stages, lengths, robot)
+    alike = measure(stages, lengths, robot)
     assert alike.parts[0].legs_m == pytest.approx(framed.parts[0].legs_m)
     longer = lengths.copy()
     longer[0] += 60
-    legs_m = measured(stages, longer, robot).parts[0].legs_m
+    legs_m = measure(stages, longer, robot).parts[0].legs_m
     inner = stages.partitions[0].places(0, len(legs_m))[:-1]
     assert legs_m[inner].sum() == pytest.approx(framed.parts[0].legs_m[inner].sum() + 30)
     assert np.delete(legs_m, inner) == pytest.approx(np.delete(framed.parts[0].legs_m, inner))
@@ -258,10 +258,10 @@ def test_robots_are_shared_out_among_parts_by_their_load() -> None:
     robot, settings = common_robot(mission.fleet), MethodSettings()
     framed = framed_sensors(mission, ShortestPaths(parts), settings.deployments[0], settings, seed=0)
     assert len(framed.parts) == 2
-    counts = shared_out(framed, robot, settings, 4)
+    counts = share_out(framed, robot, settings, 4)
     assert sorted(counts) == [1, 3]
-    assert sum(shared_out(framed, robot, settings, 9)) == 9
-    assert shared_out(framed, robot, settings, 1) == [1, 1]
+    assert sum(share_out(framed, robot, settings, 9)) == 9
+    assert share_out(framed, robot, settings, 1) == [1, 1]
 
 
 def by_brute_force(share: Callable[[int, int], float], n: int, segments: int) -> float:

@@ -23,8 +23,8 @@ from rota.planners.patrol.methods.sun2019.pso_kernels import (
     cost_of,
     end_sensors,
     inertia_at,
-    moved,
     nearest_sensor,
+    next_velocity,
 )
 
 LEGS_M = np.array([1.0, 2, 3, 4])
@@ -64,12 +64,12 @@ def test_equation_26_twice_the_segment_and_once_round_its_ends() -> None:
 def test_equation_27_the_update_of_a_velocity() -> None:
     rules = rules_of(TABLE_4)
     # 0.9 * 0.05 + 2 * 0.5 * 0.2 - 2 * 0.5 * 0.2 = 0.045
-    assert moved(0.3, 0.05, 0.5, 0.1, 0.9, 0.5, 0.5, rules) == pytest.approx(0.045)
+    assert next_velocity(0.3, 0.05, 0.5, 0.1, 0.9, 0.5, 0.5, rules) == pytest.approx(0.045)
     # 0.4 * -0.02 + 2 * 0.1 * 0.1 + 2 * 0.2 * 0.2 = 0.092
-    assert moved(0.3, -0.02, 0.4, 0.5, 0.4, 0.1, 0.2, rules) == pytest.approx(0.092)
+    assert next_velocity(0.3, -0.02, 0.4, 0.5, 0.4, 0.1, 0.2, rules) == pytest.approx(0.092)
     # 0.045 + 0.2 is too fast, and so is the same backwards
-    assert moved(0.3, 0.05, 0.5, 0.3, 0.9, 0.5, 0.5, rules) == 0.1
-    assert moved(0.5, -0.05, 0.3, 0.5, 0.9, 0.5, 0.5, rules) == -0.1
+    assert next_velocity(0.3, 0.05, 0.5, 0.3, 0.9, 0.5, 0.5, rules) == 0.1
+    assert next_velocity(0.5, -0.05, 0.3, 0.5, 0.9, 0.5, 0.5, rules) == -0.1
     assert [inertia_at(k, rules) for k in (0, 49)] == pytest.approx([0.9, 0.4])
     assert inertia_at(7, rules) == pytest.approx(0.9 - 0.5 / 7)
 

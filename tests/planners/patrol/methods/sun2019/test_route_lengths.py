@@ -21,7 +21,7 @@ from rota.planners.patrol.methods.sun2019.route import length_m, route_round, st
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measured
+from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measure
 
 SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
 SETTINGS = MethodSettings(partition=SMALL_SWARMS)
@@ -72,11 +72,11 @@ def test_measured_routes_move_the_cuts_by_their_lengths(framed: Framed) -> None:
     robot = common_robot(MISSION.fleet)
     stages = cut_in_segments(framed, robot, PATHS, SETTINGS)
     driven_m = np.array([20 * segment.time_s for segment in stages.segments])
-    alike = measured(stages, driven_m, robot)
+    alike = measure(stages, driven_m, robot)
     assert alike.parts[0].legs_m == pytest.approx(framed.parts[0].legs_m)
     driven_m[0] *= 1.5
     inner = stages.partitions[0].places(0, len(framed.parts[0].legs_m))[:-1]
-    longer = measured(stages, driven_m, robot)
+    longer = measure(stages, driven_m, robot)
     assert longer.parts[0].legs_m[inner] == pytest.approx(1.5 * framed.parts[0].legs_m[inner])
     again = cut_in_segments(longer, robot, PATHS, SETTINGS)
     times_s = {tuple(one.line_m[0]): one.time_s for one in again.segments}

@@ -71,7 +71,7 @@ def test_every_gain_told_is_a_gain_made(penalty: float) -> None:
     near = apart(places)
     zone = (places[:, 0] > 35).astype(int) + (places[:, 1] > 45)
     d = near + penalty * (zone[:, None] != zone[None])
-    search = local_search._laid_out(d, neighbours(d, near), 3)
+    search = local_search._lay_out(d, neighbours(d, near), 3)
     before = tour_length(d, search.order)
     gain = improve(1e-6, search)
     assert gain > 0

@@ -14,7 +14,7 @@ from rota.model.mission import Zone
 from rota.model.plan import Plan
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.methods.sweeping import first_plan, methods
-from rota.planners.patrol.methods.sweeping.first_plan import apart_m, swept
+from rota.planners.patrol.methods.sweeping.first_plan import apart_m, sweep
 
 
 def test_robots_that_repairs_ask_for_are_tried_without_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,14 +25,14 @@ def test_robots_that_repairs_ask_for_are_tried_without_afterwards(monkeypatch: p
         return check_plan(plan)
 
     context = replace(search_on(random_mission(27)), judge=judge)  # type: ignore[arg-type]
-    lanes = swept(context, EARLY)
+    lanes = sweep(context, EARLY)
     assert lanes is not None
     assert lanes.met
     verdicts = [(len(plan.trajectories), check_plan(plan).verdict) for plan in judged]
     first = next(robots for robots, verdict in verdicts if verdict == "met")
     assert lanes.robots < first
     monkeypatch.setattr(first_plan, "with_robots_of", lambda _proposal, _context, lanes: lanes)
-    sure = swept(context, EARLY)
+    sure = sweep(context, EARLY)
     assert sure is not None
     assert sure.met
     assert sure.robots == first
@@ -48,7 +48,7 @@ def test_no_ground_gets_lanes_twice(monkeypatch: pytest.MonkeyPatch) -> None:
         return best_route(*args, **kwargs)  # type: ignore[arg-type]
 
     monkeypatch.setattr(methods, "best_route", noted)
-    lanes = swept(search_on(replace(YARD, zones=(zone,))), EARLY)
+    lanes = sweep(search_on(replace(YARD, zones=(zone,))), EARLY)
     assert lanes is not None
     assert lanes.met
     assert len(asked) == len(set(asked))
@@ -56,7 +56,7 @@ def test_no_ground_gets_lanes_twice(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_an_urgent_zone_has_robots_that_hardly_move_and_the_rest_lanes() -> None:
     zone = Zone(name="gate", period_s=0.9, shape=MultiPolygon([box(20, 10, 22, 12)]))
-    lanes = swept(search_on(replace(YARD, zones=(zone,))), EARLY)
+    lanes = sweep(search_on(replace(YARD, zones=(zone,))), EARLY)
     assert lanes is not None
     assert lanes.met
     assert min(tour.period_s for tour in lanes.tours) == 0.9
@@ -64,7 +64,7 @@ def test_an_urgent_zone_has_robots_that_hardly_move_and_the_rest_lanes() -> None
 
 def test_a_crowd_is_no_first_plan() -> None:
     hurried = replace(YARD, period_s=0.1)
-    assert swept(search_on(hurried), EARLY) is None
-    calm = swept(search_on(YARD), EARLY)
+    assert sweep(search_on(hurried), EARLY) is None
+    calm = sweep(search_on(YARD), EARLY)
     assert calm is not None
     assert all(apart_m(tour) > 0.25 * 2 for tour in calm.tours if tour.robots > 1)

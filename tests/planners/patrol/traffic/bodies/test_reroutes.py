@@ -10,9 +10,9 @@ from tests.planners.patrol.traffic.bodies.driving import BODY_M, closest_m, fast
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-from rota.planners.patrol.traffic.bodies.exchanges import changed_over, cut_in_two
+from rota.planners.patrol.traffic.bodies.exchanges import change_over, cut_in_two
 from rota.planners.patrol.traffic.bodies.lanes import in_lanes, round_those_who_stay
-from rota.planners.patrol.traffic.bodies.reroutes import rerouted
+from rota.planners.patrol.traffic.bodies.reroutes import reroute
 from rota.planners.patrol.traffic.bodies.timing import can_be_timed, timed_rounds
 
 NARROW = box(-1, -0.6, 21, 0.6)  # robots of half a metre cannot pass each other
@@ -25,7 +25,7 @@ def space_of(ground: Polygon) -> MultiPolygon:
 
 def led_apart(ground: Polygon, tours: Sequence[Tour], *, may_add: bool = False) -> list[Tour] | None:
     space = space_of(ground)
-    return rerouted(tours, BODY_M, space, ShortestPaths(space), may_add=may_add)
+    return reroute(tours, BODY_M, space, ShortestPaths(space), may_add=may_add)
 
 
 def assert_drivable(ground: Polygon, tours: Sequence[Tour]) -> None:
@@ -111,12 +111,12 @@ def test_loops_that_run_through_each_other_change_over() -> None:
     paths = ShortestPaths(space_of(box(-12, -6, 12, 6)))
     a = tour([(-10, -5), (2, -5), (2, 5), (-10, 5)], 60.0)
     b = tour([(-2, -5), (10, -5), (10, 5), (-2, 5)], 60.0)
-    pairs = list(changed_over(a, b, 2 * BODY_M, paths))
+    pairs = list(change_over(a, b, 2 * BODY_M, paths))
     assert pairs
     for one, other in pairs:
         assert (one.robots, other.robots) == (1, 1)
         assert tour_length_m(one) + tour_length_m(other) == pytest.approx(88.0, abs=6.0)
-    assert list(changed_over(a, tour([(30, 0), (40, 0)], 60.0), 2 * BODY_M, paths)) == []
+    assert list(change_over(a, tour([(30, 0), (40, 0)], 60.0), 2 * BODY_M, paths)) == []
 
 
 def test_a_tour_goes_round_a_robot_that_stays() -> None:

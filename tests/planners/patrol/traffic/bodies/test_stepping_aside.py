@@ -74,7 +74,7 @@ def test_many_that_cannot_step_aside_take_little_time(monkeypatch: pytest.Monkey
     main = tour([(0, 0), (70, 0), (70, 5), (0, 5)], 400.0)  # a headway longer than all of the pockets' periods
     pockets = [tour([(x, -0.58), (x, -0.7)], 60.0) for x in range(5, 65, 10)]
     loops = [loop_of(one) for one in (main, *pockets)]
-    assert timing.timed_apart(loops, BODY_M) is None
+    assert timing.time_apart(loops, BODY_M) is None
     assert len(asked) < 40  # 1957 where each is tried among those left of each
 
 

@@ -13,9 +13,9 @@ from rota.files.geodesy import Projection
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.model.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.driving.timed_line import started_at, steady
+from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
+from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts, require_room
 from rota.planning.plan_summary import robot_rows
 
 WALL = Obstacle(shape=MultiPolygon([box(4, -1, 5, 1)]))
@@ -44,7 +44,7 @@ def there_and_back(
     times = np.concatenate([[0.0], np.cumsum(steps[steps > 0])])
     x = np.array([x0, x1, x1, x0, x0])[np.r_[True, steps > 0]]
     places = np.column_stack([x, np.full(len(x), y)])
-    times, places, _ = started_at(steady(times, places), first * float(times[-1]))
+    times, places, _ = start_at(steady(times, places), first * float(times[-1]))
     return Trajectory(robot=name, times_s=times, positions_m=places)
 
 
@@ -62,7 +62,7 @@ def two_on_one_line(mission: Mission, turn_s: float = 0.0) -> Plan:
 def test_one_robot_arrives_after_the_distance_over_its_speed() -> None:
     mission = replace(street(StartPoints(points_m=((10, 1),))), period_s=33)
     loop = there_and_back(4, 36, 4, 2 * (1 - 1e-6), 0, "robot-1")
-    led = led_from_starts(
+    led = lead_from_starts(
         of_loops(mission, loop),
         mission,
         check_plan,
@@ -86,7 +86,7 @@ def test_a_way_round_a_corner_and_into_the_loop_takes_its_turns() -> None:
     area = MultiPolygon([box(0, 0, 40, 8)])
     mission = Mission(name="gate", area=area, obstacles=(wall,), zones=(gate,), fleet=fleet)
     stay = Trajectory(robot="robot-1", times_s=[0], positions_m=[[2, 7]])
-    led = led_from_starts(
+    led = lead_from_starts(
         of_loops(mission, stay),
         mission,
         check_plan,
@@ -108,7 +108,7 @@ def test_robots_that_share_a_tour_keep_half_a_round_between_them(turn: float | N
     turn_s = 0.0 if turn is None else math.pi / turn * (1 + 1e-6)
     plan = two_on_one_line(mission, turn_s)
     assert check_plan(plan).verdict == "met"
-    led = led_from_starts(plan, mission, check_plan)
+    led = lead_from_starts(plan, mission, check_plan)
     report = check_plan(led)
     assert report.verdict == "met", [violation.text() for violation in report.violations]
     one, other = led
@@ -123,7 +123,7 @@ def test_robots_that_share_a_tour_keep_half_a_round_between_them(turn: float | N
     assert {tuple(t.positions_m[0]) for t in led} <= {(0.5, 0.5), (1, 7), (39, 7)}
     # had the other begun where it is 4 s later, the gaps would be 4 s worse than half a round
     begun = steady(other.times_s[other.loop_index :] - other.loop_start_s, other.positions_m[other.loop_index :])
-    times_s, places_m, _ = started_at(begun, 4.0)
+    times_s, places_m, _ = start_at(begun, 4.0)
     late = Trajectory(
         robot=other.robot,
         times_s=np.append(other.times_s[: other.loop_index], other.loop_start_s + times_s),
@@ -143,9 +143,9 @@ def test_a_start_in_another_room_is_named() -> None:
         mission = replace(street(StartPoints(points_m=points)), obstacles=(wall,))
         plan = of_loops(mission, *loops)
         with pytest.raises(rota.NoPlanFound, match=words):
-            led_from_starts(plan, mission, check_plan)
+            lead_from_starts(plan, mission, check_plan)
     mission = replace(street(StartPoints(points_m=((38, 1), (1, 1)))), obstacles=(wall,))
-    led = led_from_starts(replace(plan, mission=mission), mission, check_plan)
+    led = lead_from_starts(replace(plan, mission=mission), mission, check_plan)
     assert [t.positions_m[0].tolist() for t in led] == [[1, 1], [38, 1]]
     assert check_plan(led).verdict == "met"
 
@@ -156,7 +156,7 @@ def test_bodies_that_start_side_by_side_do_not_touch() -> None:
     # three lanes apart from each other
     loops = tuple(there_and_back(4, 36, y, 2 * (1 - 1e-6), 0, f"robot-{k + 1}") for k, y in enumerate((2, 4, 6)))
     plan = of_loops(mission, *loops)
-    led = led_from_starts(plan, mission, check_plan)
+    led = lead_from_starts(plan, mission, check_plan)
     report = check_plan(led)
     assert report.verdict == "met", [violation.text() for violation in report.violations]
     end_s = 2 * led.trajectories[0].loop_start_s
@@ -171,7 +171,7 @@ def test_bodies_that_start_side_by_side_do_not_touch() -> None:
 def test_table_film_and_exports_keep_the_way_and_the_loop_apart() -> None:
     start = StartPoints(points_m=((10, 1),))
     mission = replace(street(start), period_s=33, origin=GeoPoint(lat=48.1, lon=11.5))
-    led = led_from_starts(of_loops(mission, there_and_back(4, 36, 4, 1.99, 0, "robot-1")), mission, check_plan)
+    led = lead_from_starts(of_loops(mission, there_and_back(4, 36, 4, 1.99, 0, "robot-1")), mission, check_plan)
     (trajectory,) = led
     (row,) = robot_rows(led)
     assert (row.loop_length_m, row.loop_time_s) == pytest.approx((64, 64 / 1.99))
@@ -212,10 +212,10 @@ def test_too_many_for_the_box_are_told_so() -> None:
     plan = of_loops(mission, *loops)
     # centres have 1.1 m by 0.2 m in the box, bodies need 0.8 m
     with pytest.raises(rota.NoPlanFound, match="has room for 2 robots in free ground, where 3 are needed"):
-        led_from_starts(plan, mission, check_plan)
+        lead_from_starts(plan, mission, check_plan)
     robots = tuple(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(3))
     fixed = replace(mission, fleet=replace(mission.fleet, robots=robots))
-    for refused in (lambda: led_from_starts(plan, fixed, check_plan), lambda: rota.make_plan(fixed)):
+    for refused in (lambda: lead_from_starts(plan, fixed, check_plan), lambda: rota.make_plan(fixed)):
         with pytest.raises(rota.MissionError, match="has room for 2 robots"):
             refused()
     # a body in the middle of the box takes all of its room; a box narrower than a body has none
@@ -233,7 +233,7 @@ def test_starts_in_the_box_keep_clear_of_robots_with_a_start_of_their_own() -> N
     own = replace(mission.fleet.equal_robot("robot-3"), start=(2.0, 1.0))  # the middle, which would be taken first
     robots = (*(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(2)), own)
     mission = replace(mission, period_s=34, fleet=replace(mission.fleet, robots=robots))
-    led = led_from_starts(of_loops(mission, *loops), mission, check_plan)
+    led = lead_from_starts(of_loops(mission, *loops), mission, check_plan)
     assert check_plan(led).verdict == "met"
     starts = [trajectory.positions_m[0] for trajectory in led]
     assert starts[2].tolist() == [2, 1]
@@ -265,7 +265,7 @@ def pipe(*robots: tuple[float, float, float]) -> Mission:
 def test_in_a_corridor_nobody_overtakes_though_a_fast_robot_would_arrive_earlier() -> None:
     # the fast one could be at 0.5 after 7.25 s, past the one at 10; in their order it takes 9.5 s
     mission = pipe((19.5, 1, 0.3), (10, 1, 0.3), (15, 2, 0.3))
-    led = led_from_starts(of_loops(mission, *stays((0.5, 0.5), (10, 0.5), (19.5, 0.5))), mission, check_plan)
+    led = lead_from_starts(of_loops(mission, *stays((0.5, 0.5), (10, 0.5), (19.5, 0.5))), mission, check_plan)
     assert check_plan(led).verdict == "met"
     assert [trajectory.positions_m[-1, 0] for trajectory in led] == [19.5, 0.5, 10]
     assert led.trajectories[0].loop_start_s == pytest.approx(9.5, rel=1e-5)
@@ -275,7 +275,7 @@ def test_bodies_that_cannot_get_past_each_other_are_told_and_reported() -> None:
     # only the small robot fits into the narrow part, and the big one stands before it
     mission = pipe((10, 1, 0.4), (15, 1, 0.2))
     with pytest.raises(rota.NoPlanFound, match="cannot reach their loops without bodies touching") as caught:
-        led_from_starts(of_loops(mission, *stays((-4, 0.5), (19.5, 0.5))), mission, check_plan)
+        lead_from_starts(of_loops(mission, *stays((-4, 0.5), (19.5, 0.5))), mission, check_plan)
     best = caught.value.best
     assert isinstance(best, Plan)
     assert [trajectory.positions_m[[0, -1], 0].tolist() for trajectory in best] == [[10, 19.5], [15, -4]]

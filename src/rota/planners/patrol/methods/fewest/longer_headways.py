@@ -65,7 +65,7 @@ def least_lacking_m(tours: list[Tour]) -> float:
 def with_time_in_sight(context: Context, seen_m: float) -> Context:
     """The search for tours of which ``seen_m`` metres see every place, and that are as much longer for each robot."""
     problem, settings = context.problem, context.settings
-    easier = set_up_problem(seen_for_long(problem.mission, seen_m))
+    easier = set_up_problem(mission_with_longer_headways(problem.mission, seen_m))
     growth = NEARER * seen_m / easier.range_margin_m
     repair = replace(
         settings.repair,
@@ -75,7 +75,7 @@ def with_time_in_sight(context: Context, seen_m: float) -> Context:
     return replace(context, problem=replace(easier, mission=problem.mission), settings=replace(settings, repair=repair))
 
 
-def seen_for_long(mission: Mission, seen_m: float) -> Mission:
+def mission_with_longer_headways(mission: Mission, seen_m: float) -> Mission:
     """The mission with all periods but those of visits longer by ``seen_m`` metres, and sensors that reach less far."""
     longer_s = seen_m / mission.fleet.speed_m_s
     zones = tuple(

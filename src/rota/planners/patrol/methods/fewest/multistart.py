@@ -12,7 +12,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.tours.tour import Tour
 
 
-def annealed_in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealed]:
+def anneal_in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealed]:
     """The annealings with the least shortfall, in the order in which they were begun.
 
     begun: tours to begin with, the most promising first. Round after round begins with each of the first of them and

@@ -31,7 +31,7 @@ def one_fewer(context: Context, best: Repaired) -> Repaired | None:
     return first_to_pass(context, [s for s in nearest if s.unseen_share <= UNSEEN_LIMIT], seed=seed)
 
 
-def thinned(context: Context, found: Repaired) -> Repaired:
+def leave_out_needless_robots(context: Context, found: Repaired) -> Repaired:
     """The plan with as few robots on each loop as keep its period, if the judge passes it; else the plan found."""
     tours = [with_few_robots(tour) for tour in found.tours]
     if sum(tour.robots for tour in tours) >= sum(tour.robots for tour in found.tours):

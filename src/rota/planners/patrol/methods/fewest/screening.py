@@ -14,7 +14,7 @@ from rota.planners.patrol.tours.tour import Tour
 Candidate = TypeVar("Candidate")
 
 
-def screened(context: Context, candidates: list[Allocation], *, seed: int) -> list[list[Tour]]:
+def screen(context: Context, candidates: list[Allocation], *, seed: int) -> list[list[Tour]]:
     """The tours of the allocations after a little annealing, the least shortfall first.
 
     Allocations that leave too much unseen are dropped. Nested loops take longer to find their shape, which their own
@@ -25,7 +25,7 @@ def screened(context: Context, candidates: list[Allocation], *, seed: int) -> li
     settings = context.settings.screening
     half = (settings.allocations + 1) // 2
     nested = [allocation for allocation in candidates if allocation.nested]
-    nested = best_nested(context, nested[: max(half, settings.nested_allocations)], half, seed=seed)
+    nested = choose_nested(context, nested[: max(half, settings.nested_allocations)], half, seed=seed)
     candidates = [*[allocation for allocation in candidates if not allocation.nested][:half], *nested]
     several_seeds = context.settings.multistart.seeds > 1
     searches = anneal_all(
@@ -45,7 +45,7 @@ def screened(context: Context, candidates: list[Allocation], *, seed: int) -> li
     return [tours for shortfall_m, tours in ranked if shortfall_m <= most_m]
 
 
-def best_nested(context: Context, nested: list[Allocation], most: int, *, seed: int) -> list[Allocation]:
+def choose_nested(context: Context, nested: list[Allocation], most: int, *, seed: int) -> list[Allocation]:
     """At most this many of the nested loops, those that do best in annealings shorter than that of the screening."""
 
     def shortfalls_m(candidates: list[Allocation], halvings: int) -> list[float]:

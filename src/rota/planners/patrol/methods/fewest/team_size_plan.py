@@ -7,9 +7,9 @@ import math
 from rota.planners.patrol.annealing.schedule import share_of_moves
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.initial.allocation import Allocation, PeriodGrouping, allocations
-from rota.planners.patrol.methods.fewest.multistart import annealed_in_full
+from rota.planners.patrol.methods.fewest.multistart import anneal_in_full
 from rota.planners.patrol.methods.fewest.racing import first_to_pass
-from rota.planners.patrol.methods.fewest.screening import screened
+from rota.planners.patrol.methods.fewest.screening import screen
 from rota.planners.patrol.repair.repair import Repaired
 
 SCREENED, ANNEALED = 0.1, 0.4  # of the time of a try
@@ -29,9 +29,9 @@ def plan_with_team_size(
     for turn in range(turns):
         seed = context.seed + 1000 * robots + SEEDS_APART * turn
         context.progress(turn / turns, f"trying {robots} robots")
-        chosen = screened(context, candidates, seed=seed)
+        chosen = screen(context, candidates, seed=seed)
         context.progress((turn + SCREENED) / turns, f"trying {robots} robots: annealing their tours")
-        searches = annealed_in_full(context, chosen, seed=seed)
+        searches = anneal_in_full(context, chosen, seed=seed)
         context.progress((turn + ANNEALED) / turns, f"trying {robots} robots: repairing their tours")
         found = first_to_pass(context, searches, seed=seed)
         if found is not None or context.should_stop():

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from rota.planners.patrol.annealing.schedule import anneal_shape
 from rota.planners.patrol.context import Context, silent
 from rota.planners.patrol.ground.extra_points import no_points
-from rota.planners.patrol.ground.problem import stretched
+from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings, robots_per_tour, slack_factor
 from rota.planners.patrol.method_settings import FixedTeamSettings
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
@@ -80,8 +80,8 @@ def with_shorter_loops(context: Context, found: Reached) -> Reached:
     if not context.anneals or context.keeps_first_tours or has_nests(tours):
         return found
     once = replace(context.settings, shortening=replace(shortening, attempts=shortening.attempts[:1]))
-    own = replace(context, problem=stretched(context.problem, found.stretch), settings=once, progress=silent)
-    shorter = reached(with_better_loops(own, found.repaired), found.stretch)
+    own = replace(context, problem=stretch_periods(context.problem, found.stretch), settings=once, progress=silent)
+    shorter = reach_of(with_better_loops(own, found.repaired), found.stretch)
     return shorter if shorter.ratio < found.ratio else found
 
 
@@ -109,7 +109,7 @@ def first_guess(context: Context, robots: int) -> Guess | None:
     settings = context.settings
     stretch = 1.0
     while True:
-        groupings = period_groupings(stretched(context.problem, stretch), settings.allocation.groupings)
+        groupings = period_groupings(stretch_periods(context.problem, stretch), settings.allocation.groupings)
         handed = [g.with_robots(counts) for g in groupings if (counts := robots_per_tour(g, robots)) is not None]
         if handed:
             break
@@ -140,28 +140,28 @@ def with_stretch(context: Context, stretch: float, team: Team, best: Reached | N
 
     New ones are not begun for the sake of a little less, unless the settings say so.
     """
-    problem = stretched(context.problem, stretch)
+    problem = stretch_periods(context.problem, stretch)
     robots, settings = team.robots, context.settings
     context = replace(context, problem=problem)
     if not context.anneals:
         fewest = team.method(context)
         whole = with_whole_team(context, fewest, team) if fewest.met else None
-        return None if whole is None else reached(whole, stretch)
+        return None if whole is None else reach_of(whole, stretch)
     if best is not None:
         tours = [replace(tour, period_s=problem.periods_s[tour.period_class]) for tour in best.repaired.tours]
         seed = context.seed + 1000 * robots
         attempts = anneal_and_repair(context, anneal_shape(context, tours, seed=seed), seed=seed)
         repaired = next((result for result in attempts if result is not None), None)
         if repaired is not None and repaired.robots == robots:
-            return reached(repaired, stretch)
+            return reach_of(repaired, stretch)
         if not (settings.fixed_team.new_allocations or stretch == 1.0):
             return None
     groupings = period_groupings(problem, settings.allocation.groupings)
     repaired = plan_with_team_size(context, groupings, robots, least_slack=settings.allocation.least_slack)
-    return reached(repaired, stretch) if repaired is not None and repaired.robots == robots else None
+    return reach_of(repaired, stretch) if repaired is not None and repaired.robots == robots else None
 
 
-def reached(repaired: Repaired, stretch: float) -> Reached:
+def reach_of(repaired: Repaired, stretch: float) -> Reached:
     """The plan for stretched periods with its ratio to those that are asked."""
     return Reached(repaired=repaired, stretch=stretch, ratio=stretch * worst_ratio(repaired.verdict))
 
@@ -176,7 +176,7 @@ def worst_ratio(verdict: Verdict) -> float:
 
 def first_tours_in_time(context: Context, robots: int, stretch: float) -> Reached | None:
     """The first tours, repaired, with twice the time that they take; None if not even these see everything."""
-    problem = stretched(context.problem, 2 * stretch)
+    problem = stretch_periods(context.problem, 2 * stretch)
     context = replace(context, problem=problem)
     for grouping in period_groupings(problem, context.settings.allocation.groupings):
         counts = robots_per_tour(grouping, robots)
@@ -186,7 +186,7 @@ def first_tours_in_time(context: Context, robots: int, stretch: float) -> Reache
             context, grouping.with_robots(counts).tours, no_points(),
             may_add=False, rounds=context.settings.repair.patient_rounds,
         )  # fmt: skip
-        result = reached(repaired, 2 * stretch)
+        result = reach_of(repaired, 2 * stretch)
         if repaired.robots == robots and math.isfinite(result.ratio):
             return result
     return None

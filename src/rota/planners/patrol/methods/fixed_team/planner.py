@@ -8,7 +8,7 @@ from rota.errors import NoPlanFound
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.problem import stretched
+from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.methods.fewest.search import share_of_progress, with_less_effort
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
@@ -16,13 +16,13 @@ from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_r
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
 from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, apart, best_ratio, too_few
 from rota.planners.patrol.methods.fixed_team.team import Team
-from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, starts_per_component, with_helpers
+from rota.planners.patrol.methods.fixed_team.team_tours import join_for_team, starts_per_component, with_helpers
 from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
-from rota.planners.patrol.tours.tour import Tour, driven
-from rota.planners.patrol.verdict import Verdict, counted, touching, worst_demand, worst_reached
+from rota.planners.patrol.tours.tour import Tour, unfold_nests
+from rota.planners.patrol.verdict import Verdict, robots_in_words, touching, worst_demand, worst_reached
 
 
 def searching_longer_periods(context: Context) -> Context:
@@ -79,7 +79,7 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
     bound = 1.0 if context.bound.robots > team.robots else 0.0
     proved = 0.0 if reserve else max(proved_ratio(problem, team.robots), bound)
     best = least_ratio(anyone, team, proved)
-    plan = None if best is None else as_asked(context, best)
+    plan = None if best is None else answer_for_mission(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
         return plan
     if best is None and not context.anneals:
@@ -89,7 +89,7 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
         if smaller is not None:
             return smaller.plan
     if best is None:
-        plan = planned(context, joined_for_team(problem, groupings[0].tours, team.robots))
+        plan = plan_of_tours(context, join_for_team(problem, groupings[0].tours, team.robots))
         crowded = touching(context.judge(plan)) if problem.robot.body_radius_m > 0 else None
         raise NoPlanFound(too_few(context, team.robots, crowded or NOTHING_SEES_ALL), best=plan)
     ratio = best_ratio(best.repaired.verdict, best.ratio, reserve=reserve)
@@ -111,21 +111,21 @@ def for_anyone(context: Context) -> Context:
     return replace(context, problem=replace(problem, mission=replace(problem.mission, fleet=fleet)))
 
 
-def as_asked(context: Context, best: Reached) -> Plan:
+def answer_for_mission(context: Context, best: Reached) -> Plan:
     """The plan for stretched periods as an answer to the mission, with the fleet's own robots."""
     problem = context.problem
-    plan = plan_of(stretched(problem, best.stretch), best.repaired.tours, seed=context.seed, bound=context.bound)
+    plan = plan_of(stretch_periods(problem, best.stretch), best.repaired.tours, seed=context.seed, bound=context.bound)
     return replace(plan, mission=problem.mission)
 
 
-def planned(context: Context, tours: list[Tour]) -> Plan:
+def plan_of_tours(context: Context, tours: list[Tour]) -> Plan:
     """The plan that drives these tours."""
     return plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
 
 
 def plan_from_fewest(context: Context, fewest: Repaired, team: Team) -> Plan:
     """The plan for exactly the team's robots, from one with as few as possible; NoPlanFound when they are too few."""
-    robots, tours = team.robots, driven(fewest.tours)
+    robots, tours = team.robots, unfold_nests(fewest.tours)
     components = len({tour.component for tour in tours})
     if fewest.robots <= robots:
         whole = with_whole_team(context, fewest, team)
@@ -135,10 +135,10 @@ def plan_from_fewest(context: Context, fewest: Repaired, team: Team) -> Plan:
     elif components > robots:
         tours, detail = [replace(tour, robots=1) for tour in tours[:robots]], apart(components)
     else:
-        tours, detail = joined_for_team(context.problem, tours, robots), f"{fewest.robots} can"
-    plan = planned(context, tours)
+        tours, detail = join_for_team(context.problem, tours, robots), f"{fewest.robots} can"
+    plan = plan_of_tours(context, tours)
     verdict = context.judge(plan)
     if verdict.verdict == "met":
         return plan
-    detail += f"; with {counted(robots)} {worst_reached(verdict)}"
+    detail += f"; with {robots_in_words(robots)} {worst_reached(verdict)}"
     raise NoPlanFound(too_few(context, robots, detail), best=plan)

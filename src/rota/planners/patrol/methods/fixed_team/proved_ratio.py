@@ -26,7 +26,7 @@ def proved_ratio(problem: Problem, robots: int) -> float:
     radius_m = circle_radius_m(problem.mission)
     lost_m2 = [shape.area - m2 for shape, m2 in zip(shapes, seeable_m2, strict=True)]
 
-    def needed(stretch: float) -> float:
+    def robots_needed(stretch: float) -> float:
         periods_s = [stretch * problem.regions[k].period_s for k in swept]
         return max(
             area_rate(seeable_m2, periods_s, robot)[0],
@@ -41,7 +41,7 @@ def proved_ratio(problem: Problem, robots: int) -> float:
         return 0.0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        if needed(middle) > robots * (1 + 1e-6):
+        if robots_needed(middle) > robots * (1 + 1e-6):
             low = middle
         else:
             high = middle

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.verdict import Verdict, counted, demanded, touching, worst_demand
+from rota.planners.patrol.verdict import Verdict, demand_in_words, robots_in_words, touching, worst_demand
 
 NOTHING_SEES_ALL = "none was found that surely sees everything"
 
@@ -14,12 +14,12 @@ def too_few(context: Context, robots: int, detail: str, *, least_ratio: float = 
     least_ratio: what is proved of the worst ratio of gap to period with so many robots; 0: nothing.
     """
     if context.bound.robots > robots:
-        opening = f"{counted(robots)} cannot meet the demand"
+        opening = f"{robots_in_words(robots)} cannot meet the demand"
     else:
-        opening = f"no plan was found with which {counted(robots)} meet the demand"
-    proved = f"proved: at least {counted(max(context.bound.robots, 1))} ({context.bound.reason})"
+        opening = f"no plan was found with which {robots_in_words(robots)} meet the demand"
+    proved = f"proved: at least {robots_in_words(max(context.bound.robots, 1))} ({context.bound.reason})"
     if least_ratio > 0:
-        proved += f", and with {counted(robots)} no worst gap below {least_ratio:.3f} times its period"
+        proved += f", and with {robots_in_words(robots)} no worst gap below {least_ratio:.3f} times its period"
     return f"{opening}: {detail}; {proved}"
 
 
@@ -34,7 +34,7 @@ def best_ratio(verdict: Verdict, ratio: float, *, reserve: bool) -> str:
     worst = worst_demand(verdict)
     assert worst is not None
     return (
-        f"at best, in {demanded(worst)}, the worst gap is {worst.worst_gap_s:.6g} s, {ratio:.3f} times its"
+        f"at best, in {demand_in_words(worst)}, the worst gap is {worst.worst_gap_s:.6g} s, {ratio:.3f} times its"
         f" period{' less the reserve' if reserve else ''}"
     )
 

@@ -12,7 +12,7 @@ from shapely import LineString, MultiLineString
 from rota.geometry.free_space import nearest_free_point
 from rota.model.mission import Mission
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.tours.tour import Tour, driven, tour_length_m
+from rota.planners.patrol.tours.tour import Tour, tour_length_m, unfold_nests
 
 
 def starts_per_component(problem: Problem, asked: Mission) -> Counter[int]:
@@ -27,7 +27,7 @@ def with_helpers(tours: list[Tour], robots: int, starting: Counter[int]) -> list
 
     starting: robots that start in each component, which bind them to it.
     """
-    tours = driven(tours)
+    tours = unfold_nests(tours)
     for _ in range(robots - sum(tour.robots for tour in tours)):
         tours = with_a_helper(tours, components_short(tours, starting))
     return tours
@@ -54,7 +54,7 @@ def with_bystanders(problem: Problem, tours: list[Tour], robots: int) -> list[To
     wide_m = 2 * problem.robot.body_radius_m * (1 + 1e-6)
     routes = [LineString(np.vstack([tour.vertices_m, tour.vertices_m[:1]])) for tour in tours]
     free_m = shapely.distance(MultiLineString(routes), shapely.points(problem.viewpoints.xy_m))
-    tours = driven(tours)
+    tours = unfold_nests(tours)
     slowest = max(tours, key=lambda tour: tour.period_s)
     while sum(tour.robots for tour in tours) < robots:
         i = int(np.argmax(free_m))
@@ -66,7 +66,7 @@ def with_bystanders(problem: Problem, tours: list[Tour], robots: int) -> list[To
     return tours
 
 
-def joined_for_team(problem: Problem, tours: list[Tour], robots: int) -> list[Tour]:
+def join_for_team(problem: Problem, tours: list[Tour], robots: int) -> list[Tour]:
     """The tours served by so many robots, fewer than they need: tours of one component are joined as it takes.
 
     robots: at least the number of components. They go where the ratio of round time to period is worst.

@@ -33,7 +33,7 @@ class Entered(NamedTuple):
     body_radius_m: float
 
 
-def entered_in(problem: Problem) -> Entered | None:
+def where_robots_come(problem: Problem) -> Entered | None:
     """Where the problem's robots come to; None where its mission has no entrances."""
     if problem.mission.fleet.entrances is None:
         return None

@@ -37,11 +37,11 @@ def by_districts(context: Context, search: DistrictSearch, missions: list[Missio
     alone = replace(context, problem=None, progress=silent, watch=None)  # type: ignore[arg-type]
     seeds = range(context.seed, context.seed + len(missions))
 
-    def found(mission: Mission, seed: int) -> list[Tour]:
+    def find(mission: Mission, seed: int) -> list[Tour]:
         return alone.run(tours_alone, search, mission, seed)
 
     with ThreadPoolExecutor(max_workers=context.threads) as pool:
-        for tours in pool.map(found, missions, seeds):
+        for tours in pool.map(find, missions, seeds):
             districts.append([of_whole(context.problem, tour) for tour in tours])
             share = len(districts) / len(missions)
             context.progress(0.3 + 0.6 * share, f"{len(districts)} of {len(missions)} districts planned")
@@ -71,7 +71,7 @@ def of_whole(problem: Problem, tour: Tour) -> Tour:
     return replace(tour, period_class=problem.periods_s.index(tour.period_s), component=max(component, 0))
 
 
-def joined(districts: list[list[Tour]]) -> list[Tour]:
+def join(districts: list[list[Tour]]) -> list[Tour]:
     """The tours of all districts, those that robots drive in turn numbered anew."""
     together: list[Tour] = []
     for tours in districts:

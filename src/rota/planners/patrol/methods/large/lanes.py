@@ -22,7 +22,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.large.rings import ring_over
 from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_settings
-from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turned, turning
+from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turn_shape, turning
 from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_itself, not_more, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
@@ -121,7 +121,9 @@ def tours_over_columns(problem: Problem, ground: SweepGround, rows: Rows, reserv
     A loop over the lanes where these are open; else the shortest route that is found. A column near which no robot can
     be has none. None where robots with bodies would share a route that is no such loop: they would meet.
     """
-    areas = [MultiPolygon(polygons(turned(shapely.union_all(column.lanes), rows.angle_rad))) for column in rows.columns]
+    areas = [
+        MultiPolygon(polygons(turn_shape(shapely.union_all(column.lanes), rows.angle_rad))) for column in rows.columns
+    ]
     nearest = nearest_areas(ground.stops_m, areas)
     swath, room = sensing(problem, rows.angle_rad), shapely.buffer(problem.space, ON_BORDER_M)
     shapely.prepare(room)
@@ -189,7 +191,7 @@ def over_districts(problem: Problem, ground: SweepGround, robots: int, reserve: 
     angle_rad = promising_angles(problem, ground.shape)[0]
     best: list[Tour] = []
     for _ in range(BALANCING):
-        tours = routes_over(problem, ground, divided(ground.shape, angle_rad, weights), shares)
+        tours = routes_over(problem, ground, divide(ground.shape, angle_rad, weights), shares)
         loads = np.array([load(tour) for tour in tours])
         if not best or loads.max(initial=0.0) < max(load(tour) for tour in best):
             best = tours
@@ -199,14 +201,14 @@ def over_districts(problem: Problem, ground: SweepGround, robots: int, reserve: 
     return best
 
 
-def divided(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[MultiPolygon]:
+def divide(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[MultiPolygon]:
     """The shape in as many districts as weights (n,), of areas in proportion to them, cut along the angle and across.
 
     Districts in which there is nothing are left out.
     """
-    upright = turned(shape, -angle_rad)
+    upright = turn_shape(shape, -angle_rad)
     cut = [common_part(upright, shapely.box(*box)) for box in weighed_boxes(upright, weights)]
-    return [MultiPolygon(polygons(turned(part, angle_rad))) for part in cut if part.area > 0]
+    return [MultiPolygon(polygons(turn_shape(part, angle_rad))) for part in cut if part.area > 0]
 
 
 def groups_for(problem: Problem, ground: SweepGround, robots: int) -> int:

@@ -21,13 +21,13 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.driving.polylines import without_repeats
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.initial.visiting_order import short_order
-from rota.planners.patrol.methods.large.cells import boxes_for, entered_in, missions_of
+from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
 from rota.planners.patrol.methods.large.districts import by_districts
-from rota.planners.patrol.methods.sweeping.search import judged_by_lanes
+from rota.planners.patrol.methods.sweeping.search import judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -63,7 +63,7 @@ def in_pieces(context: Context) -> Repaired:
     problem, settings = context.problem, context.settings
     count = boxes_for(problem.asked_m2, settings.districts.piece_area * problem.reach_m**2)
     missions = missions_of(
-        problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m, entered_in(problem)
+        problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m, where_robots_come(problem)
     )
     pieces = by_districts(context, short_tours, missions)
     if context.should_stop():
@@ -72,7 +72,7 @@ def in_pieces(context: Context) -> Repaired:
     found = [tour for own in pieces for tour in own]
     tours = [tour for alike in by_kind(found) for tour in without_scraps(problem.paths, alike)]
     tours = [with_robots(replace(tour, robots=1)) for tour in tours]
-    exact = replace(context, problem=judged_by_lanes(problem))  # the points of the whole are farther apart
+    exact = replace(context, problem=judge_by_lanes(problem))  # the points of the whole are farther apart
     apart = repair_until_feasible(exact, tours, no_points(), may_add=True, rounds=settings.repair.patient_rounds)
     if not apart.met or context.should_stop():
         return apart
@@ -86,7 +86,7 @@ def short_tours(context: Context) -> Annealed:
     """Tours over one piece by itself, annealed until they are short: every metre costs a metre."""
     problem, settings = context.problem, context.settings.districts
     tours = period_groupings(problem, 1)[0].tours
-    _, samples = prepared_with(problem, no_points())
+    _, samples = prepare_with(problem, no_points())
     search = Annealing(
         tours,
         samples._replace(weight=settings.piece_coverage_weight * samples.weight),
@@ -126,7 +126,7 @@ def joined_tours(paths: ShortestPaths, tours: Sequence[Tour]) -> list[Tour]:
     for alike in by_kind(tours):
         own = [alike[k] for k in neighbours_in_turn(alike)]
         together += [
-            with_robots(replace(merged(paths, own[first:last]), robots=1)) for first, last in best_runs(paths, own)
+            with_robots(replace(merge(paths, own[first:last]), robots=1)) for first, last in best_runs(paths, own)
         ]
     return together
 
@@ -184,7 +184,7 @@ def vertices_near(one: Tour, other: Tour) -> Ints:
     return np.unique(np.concatenate([order[:NEAREST], order[: NEAREST * EVERY : EVERY]]))
 
 
-def merged(paths: ShortestPaths, tours: Sequence[Tour]) -> Tour:
+def merge(paths: ShortestPaths, tours: Sequence[Tour]) -> Tour:
     """One tour that goes round all of them in turn, there and back along the links between each and the next."""
     whole = tours[-1]
     for tour in tours[-2::-1]:

@@ -14,12 +14,12 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.method_settings import DistrictSettings
-from rota.planners.patrol.methods.large.cells import boxes_for, entered_in, missions_of
-from rota.planners.patrol.methods.large.districts import by_districts, joined
+from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
+from rota.planners.patrol.methods.large.districts import by_districts, join
 from rota.planners.patrol.methods.large.lanes import in_districts
 from rota.planners.patrol.methods.large.pieces import in_pieces, is_built_up
 from rota.planners.patrol.methods.method import Method
-from rota.planners.patrol.methods.sweeping.search import judged_by_lanes, sweep_with_fewest_robots
+from rota.planners.patrol.methods.sweeping.search import judge_by_lanes, sweep_with_fewest_robots
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour
 
@@ -70,13 +70,15 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     count = max(count, math.ceil(context.bound.robots / settings.most_robots))
     if count == 1:
         return better(lanes, search(context))
-    missions = missions_of(problem.mission, count, settings.margin * problem.robot.sensor.reach_m, entered_in(problem))
+    missions = missions_of(
+        problem.mission, count, settings.margin * problem.robot.sensor.reach_m, where_robots_come(problem)
+    )
     if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= lanes.robots:
         return lanes  # each district takes whole robots
     districts = by_districts(context, search, missions)
     if lanes is not None and context.should_stop():
         return lanes
-    return better(lanes, repaired_together(context, districts))
+    return better(lanes, repair_together(context, districts))
 
 
 def least_robots(mission: Mission) -> int:
@@ -103,12 +105,12 @@ def better(one: Repaired | None, other: Repaired) -> Repaired:
     return other if other.robots < one.robots else one
 
 
-def repaired_together(context: Context, districts: list[list[Tour]]) -> Repaired:
+def repair_together(context: Context, districts: list[list[Tour]]) -> Repaired:
     """The tours of all districts repaired together, with more robots if it takes them."""
-    exact = replace(context, problem=judged_by_lanes(context.problem))
+    exact = replace(context, problem=judge_by_lanes(context.problem))
     rounds, patient = context.settings.repair.rounds, context.settings.repair.patient_rounds
-    whole = repair_until_feasible(exact, joined(districts), no_points(), may_add=False, rounds=rounds)
+    whole = repair_until_feasible(exact, join(districts), no_points(), may_add=False, rounds=rounds)
     if whole.met or context.should_stop():
         return whole
     context.progress(0.9, "finishing with the robots that the repair asks for")
-    return repair_until_feasible(exact, joined(districts), no_points(), may_add=True, rounds=patient)
+    return repair_until_feasible(exact, join(districts), no_points(), may_add=True, rounds=patient)

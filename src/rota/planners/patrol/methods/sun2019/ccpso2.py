@@ -60,22 +60,22 @@ def evolve(
     cost = np.zeros(settings.iterations + 1)
     with ThreadPoolExecutor(len(scratch)) as pool:
 
-        def shared(work: Callable[..., None], *arguments: object) -> None:
+        def share_work(work: Callable[..., None], *arguments: object) -> None:
             cuts = np.linspace(0, settings.particles, len(scratch) + 1).astype(np.int64)
             list(pool.map(lambda begin, end, own: work(begin, end, own, *arguments), cuts[:-1], cuts[1:], scratch))
 
-        shared(update_kernels.see_all, swarms.now, terrain)
+        share_work(update_kernels.see_all, swarms.now, terrain)
         swarm_kernels.begin(swarms)
         cost[0], counts[0] = swarm_kernels.fitness(swarms.counts, swarms.weights), swarms.counts
         for t in range(settings.iterations):
             if t == 0 or not cost[t] < cost[t - 1]:
-                swarms = _regrouped(swarms, settings, box, rng, first=t == 0)
+                swarms = _regroup(swarms, settings, box, rng, first=t == 0)
             cost[t + 1] = swarm_kernels.judge(swarms)
             counts[t + 1] = swarms.counts
             if t + 1 == settings.iterations:
                 break
             iteration = Iteration(swarms, _rules(task, settings, t), terrain, neighbourhood(t, settings))
-            shared(update_kernels.update, iteration, states)
+            share_work(update_kernels.update, iteration, states)
     return Evolution(positions_m=_deployed_m(swarms.context, box), counts=counts, cost=cost)
 
 
@@ -96,7 +96,7 @@ def group_starts(sensors: int, size: int) -> Ints:
     return np.append(np.arange(0, sensors, size), sensors).astype(np.int64)
 
 
-def _regrouped(swarms: Swarms, settings: DeploySettings, box: Floats, rng: np.random.Generator, first: bool) -> Swarms:
+def _regroup(swarms: Swarms, settings: DeploySettings, box: Floats, rng: np.random.Generator, first: bool) -> Swarms:
     """The same particles in other swarms: at first as many as asked for, later of a size drawn from the set."""
     n = len(swarms.order)
     size = -(-n // settings.swarms) if first else int(rng.choice(settings.group_sizes))

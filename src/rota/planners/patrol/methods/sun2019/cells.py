@@ -65,7 +65,7 @@ class Cells:
         """Only the cells of these ascending numbers (k,)."""
         return _cells(self.lattice, self.shapes[keep], self.square[keep])
 
-    def quartered(self, number: Ints) -> Cells:
+    def quarter(self, number: Ints) -> Cells:
         """The same cells, but those of these numbers (k,) cut in four across the middle of their bounding boxes."""
         shapes = self.shapes[number]
         x0, y0, x1, y1 = shapely.bounds(shapes).T

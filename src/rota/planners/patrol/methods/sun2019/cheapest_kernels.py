@@ -6,12 +6,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
 from rota.planners.patrol.methods.sun2019.pso_kernels import Rules, cost_of
 
 
-@compiled
+@allocation_free
 def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost: Any, chosen: Any, first: Any) -> int:
     """Fill first (n,) with the first waypoints of the cheapest partition's segments; returns how many there are.
 
@@ -39,7 +39,7 @@ def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost
     return filled
 
 
-@compiled
+@allocation_free
 def sum_up_from(start: int, segments: int, price: Any, cost: Any, chosen: Any) -> None:
     """Fill cost's last row with the least cost of the first ``at`` waypoints from ``start`` on, for all at.
 

@@ -36,7 +36,7 @@ def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tup
     """
     greedy = greedy_cover(start, items, cells)
     sees = csr_matrix((np.ones(len(items)), items, start), shape=(len(start) - 1, cells))
-    places, wanted = undominated(sees)
+    places, wanted = leave_out_dominated(sees)
     if not len(wanted):
         return greedy[:0], 0
     rows = sees[places][:, wanted].T.tocsr()
@@ -53,7 +53,7 @@ def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tup
     return chosen, min(bound, len(chosen))
 
 
-def undominated(sees: csr_matrix) -> tuple[Ints, Ints]:
+def leave_out_dominated(sees: csr_matrix) -> tuple[Ints, Ints]:
     """Places (rows) and cells (columns) that decide: a least cover of these is a least cover of all.
 
     A place is left out when another one sees all that it sees. A cell is left out when another cell is seen only from

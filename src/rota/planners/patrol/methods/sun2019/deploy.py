@@ -85,7 +85,7 @@ class Deployment:
     def history(self) -> History | None:
         """The zones' histories added up, iteration by iteration: the curve of Figures 6c, 13b and 16b."""
         parts = [zone.history for zone in self.zones if zone.history is not None]
-        return _added(parts) if parts else None
+        return _add(parts) if parts else None
 
     @property
     def least(self) -> int | None:
@@ -122,10 +122,10 @@ def deploy_sensors(
     deployed = []
     for zone, zone_seed in zip(zones, seeds, strict=True):
         parts = [
-            _covered(task, settings, share=len(task.cells) / cells, seed=own, threads=threads)
+            _cover(task, settings, share=len(task.cells) / cells, seed=own, threads=threads)
             for task, own in zip(zone.tasks, zone_seed.spawn(len(zone.tasks)), strict=True)
         ]
-        deployed.append(_joined(zone, parts))
+        deployed.append(_join(zone, parts))
     if not any(len(zone.positions_m) for zone in deployed):
         raise NoPlanFound("none of the ground that is asked for can be seen from anywhere a robot can stand")
     return Deployment(zones=tuple(deployed), virtual_radius_m=virtual_radius_m(mission))
@@ -141,7 +141,7 @@ class _Part:
     least: int | None
 
 
-def _covered(
+def _cover(
     task: CoverTask, settings: DeploySettings, *, share: float, seed: np.random.SeedSequence, threads: int | None
 ) -> _Part:
     """Cover one task by the method of the settings; share: of all cells the task's, which gives its part of S_MAX."""
@@ -156,13 +156,13 @@ def _covered(
         most = settings.sensors_max
         sensors = -(-3 * len(chosen) // 2) if most is None else max(1, int(np.ceil(most * share)))
         evolution = evolve(task, settings, sensors=sensors, seed=seed, threads=threads)
-        positions_m, history = _completed(task, evolution)
+        positions_m, history = _complete(task, evolution)
     items = cells_seen_from(positions_m, task.cells, task.ground)[1]
     times_seen = np.bincount(items, minlength=len(task.cells))
     return _Part(positions_m=positions_m, times_seen=times_seen, history=history, least=least)
 
 
-def _completed(task: CoverTask, evolution: Evolution) -> tuple[Floats, History]:
+def _complete(task: CoverTask, evolution: Evolution) -> tuple[Floats, History]:
     """The deployment with sensors that a greedy cover adds for the cells left uncovered."""
     seen = np.zeros(len(task.cells), dtype=bool)
     seen[cells_seen_from(evolution.positions_m, task.cells, task.ground)[1]] = True
@@ -174,7 +174,7 @@ def _completed(task: CoverTask, evolution: Evolution) -> tuple[Floats, History]:
     return np.vstack([evolution.positions_m, task.places_m[added]]), history
 
 
-def _joined(zone: ZoneTasks, parts: list[_Part]) -> ZoneDeployment:
+def _join(zone: ZoneTasks, parts: list[_Part]) -> ZoneDeployment:
     """The parts of a zone as one."""
     times_seen = np.zeros(len(zone.cells), dtype=np.int64)
     for task, part in zip(zone.tasks, parts, strict=True):
@@ -185,12 +185,12 @@ def _joined(zone: ZoneTasks, parts: list[_Part]) -> ZoneDeployment:
     return ZoneDeployment(
         name=zone.name, period_s=zone.period_s, cells=zone.cells, times_seen=times_seen,
         positions_m=np.vstack([np.zeros((0, 2)), *(part.positions_m for part in parts), *spot]),
-        history=_added(histories) if histories else None,
+        history=_add(histories) if histories else None,
         least=None if None in bounds else sum(bound for bound in bounds if bound is not None) + len(spot),
     )  # fmt: skip
 
 
-def _added(histories: list[History]) -> History:
+def _add(histories: list[History]) -> History:
     """The history of several deployments together."""
     return History(
         cost=np.sum([history.cost for history in histories], axis=0),

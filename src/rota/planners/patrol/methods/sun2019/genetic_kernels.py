@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 
 class Population(NamedTuple):
@@ -21,13 +21,13 @@ class Population(NamedTuple):
     drawn: Any
 
 
-@compiled
+@allocation_free
 def swap(genes: Any, z1: int, z2: int) -> None:
     """Mutation (Figure 1a): exchange the genes at two positions, which count from 0 here and below."""
     genes[z1], genes[z2] = genes[z2], genes[z1]
 
 
-@compiled
+@allocation_free
 def reverse(genes: Any, z1: int, z2: int) -> None:
     """Reversal (Figure 1b): the genes at z1..z2 in reverse order."""
     while z1 < z2:
@@ -36,7 +36,7 @@ def reverse(genes: Any, z1: int, z2: int) -> None:
         z2 -= 1
 
 
-@compiled
+@allocation_free
 def slide(genes: Any, z1: int, z2: int) -> None:
     """Slide (Figure 1c): the genes at z1..z2 one position to the left, the first of them last."""
     first = genes[z1]
@@ -45,14 +45,14 @@ def slide(genes: Any, z1: int, z2: int) -> None:
     genes[z2] = first
 
 
-@compiled
+@allocation_free
 def copy_genes(source: Any, target: Any) -> None:
     """Make target (n,) the same as source (n,)."""
     for z in range(source.shape[0]):
         target[z] = source[z]
 
 
-@compiled
+@allocation_free
 def closed_length(genes: Any, distance: Any) -> float:
     """Length of the closed tour: what Eq. 18 is one over."""
     n = genes.shape[0]
@@ -62,7 +62,7 @@ def closed_length(genes: Any, distance: Any) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def reversal_gain(genes: Any, z1: int, z2: int, distance: Any) -> float:
     """By how much the reversal of z1..z2 shortens the closed tour."""
     n = genes.shape[0]
@@ -73,7 +73,7 @@ def reversal_gain(genes: Any, z1: int, z2: int, distance: Any) -> float:
     return had - distance[before, genes[z2]] - distance[genes[z1], after]
 
 
-@compiled
+@allocation_free
 def evolve(
     distance: Any, regroup_every: int, tries: int, population: Population, best: Any, history: Any, rng: Any
 ) -> None:

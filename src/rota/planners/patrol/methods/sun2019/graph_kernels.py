@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import allocation_free, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,7 +39,7 @@ class Frontier(NamedTuple):
     node: Ints
 
 
-@compiled
+@allocation_free
 def push(key: float, node: int, count: int, f: Frontier) -> int:
     """Put one entry on the heap; the number of entries after it."""
     at = count
@@ -53,7 +53,7 @@ def push(key: float, node: int, count: int, f: Frontier) -> int:
     return count + 1
 
 
-@compiled
+@allocation_free
 def pop(count: int, f: Frontier) -> int:
     """Take away the first entry of the heap, which the caller has read; returns the number of entries left."""
     count -= 1
@@ -73,7 +73,7 @@ def pop(count: int, f: Frontier) -> int:
     return count
 
 
-@compiled
+@allocation_free
 def search(
     first: int, goal: int, tau_before: float, tau_step: float, tau_rest: float, s: Steps, f: Frontier
 ) -> int:  # fmt: skip
@@ -107,7 +107,7 @@ def search(
     return taken
 
 
-@compiled
+@allocation_free
 def search_from_each(s: Steps, f: Frontier, distances: Any) -> None:
     """Fill distances (n, n) with the cost of the cheapest way from each waypoint to each; inf where none leads."""
     for k in range(s.x.shape[0]):

@@ -45,7 +45,7 @@ def locally_shortest_tour(
     if n < FEWEST:
         order = shortest_of_all(distance)
         return order, np.array([tour_length(distance, order)])
-    search = _laid_out(distance, neighbours(distance, nearness), seed)
+    search = _lay_out(distance, neighbours(distance, nearness), seed)
     eps = ROUNDING * float(distance.max())
     while search.ints[QUEUED]:  # more than once only if there was no room to write all reversals down
         improve(eps, search)
@@ -88,7 +88,7 @@ def shortest_of_all(distance: Floats) -> Ints:
     return np.asarray(orders[np.argmin(distance[orders, np.roll(orders, -1, axis=1)].sum(axis=1))])
 
 
-def _laid_out(distance: Floats, near: Ints, seed: int) -> Search:
+def _lay_out(distance: Floats, near: Ints, seed: int) -> Search:
     """The search before its first move, from the nearest neighbour tour.
 
     distance: (n, n). near: (n, k) waypoints near each.

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.initial.order_kernels import reverse_places
 
 # places in Search.ints
@@ -41,7 +41,7 @@ class Search(NamedTuple):
     rng: NDArray[Any]
 
 
-@compiled
+@allocation_free
 def beside(waypoint: int, way: int, s: Search) -> int:
     """The waypoint after (way 1) or before (way -1) this one."""
     n = s.order.shape[0]
@@ -49,7 +49,7 @@ def beside(waypoint: int, way: int, s: Search) -> int:
     return s.order[0 if at == n else at if at >= 0 else n - 1]
 
 
-@compiled
+@allocation_free
 def reverse_path(u: int, v: int, s: Search) -> bool:
     """Reverse the way from u forward to v, or the rest of the tour where that is shorter; True for the rest.
 
@@ -71,7 +71,7 @@ def reverse_path(u: int, v: int, s: Search) -> bool:
     return rest
 
 
-@compiled
+@allocation_free
 def undo_to(mark: int, s: Search) -> None:
     """Undo all reversals but the first ``mark``."""
     n = s.order.shape[0]
@@ -82,7 +82,7 @@ def undo_to(mark: int, s: Search) -> None:
     s.ints[REVERSALS] = mark
 
 
-@compiled
+@allocation_free
 def swap_stretches(first: int, last: int, b0: int, b1: int, s0: int, s1: int, turned: bool, s: Search) -> None:
     """Swap the stretches b0..b1 and s0..s1 that make up first..last; ``turned`` leaves s0..s1 reversed."""
     mirrored = reverse_path(first, last, s)
@@ -95,7 +95,7 @@ def swap_stretches(first: int, last: int, b0: int, b1: int, s0: int, s1: int, tu
         reverse_path(s1, s0, s)
 
 
-@compiled
+@allocation_free
 def enqueue(waypoint: int, s: Search) -> None:
     """A waypoint whose legs have changed is worth another look."""
     if s.in_queue[waypoint]:
@@ -106,7 +106,7 @@ def enqueue(waypoint: int, s: Search) -> None:
     s.ints[QUEUED] += 1
 
 
-@compiled
+@allocation_free
 def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
     """Lin-Kernighan: 2-opt moves in a row, each of which takes away the leg that the move before closed with.
 
@@ -154,7 +154,7 @@ def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
     return 0.0
 
 
-@compiled
+@allocation_free
 def or_opt(a: int, eps: float, s: Search) -> float:
     """Move the stretch of one to three waypoints from ``a`` on next to a neighbour of a; returns the gain, or 0.0."""
     n = s.order.shape[0]
@@ -184,7 +184,7 @@ def or_opt(a: int, eps: float, s: Search) -> float:
     return 0.0
 
 
-@compiled
+@allocation_free
 def move_stretch(a: int, z: int, way: int, c: int, e: int, side: int, s: Search) -> None:
     """Put the stretch a..z (in direction ``way``) between c and e; e is beside c on ``side``, a comes beside c.
 
@@ -205,7 +205,7 @@ def move_stretch(a: int, z: int, way: int, c: int, e: int, side: int, s: Search)
         swap_stretches(far_gap, s1, far_gap, beside(s0, -1, s), s0, s1, turned, s)
 
 
-@compiled
+@allocation_free
 def improve(eps: float, s: Search) -> float:
     """Try the queued waypoints until none is left or there is no room to write reversals down; returns the gain."""
     n = s.order.shape[0]
@@ -228,7 +228,7 @@ def improve(eps: float, s: Search) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def kick(longest: int, s: Search) -> float:
     """Swap neighbouring stretches of at most ``longest`` waypoints (a double bridge); returns the change of length."""
     n = s.order.shape[0]
@@ -244,7 +244,7 @@ def kick(longest: int, s: Search) -> float:
     return s.d[before, b0] + s.d[b1, s0] + s.d[s1, after] - taken
 
 
-@compiled
+@allocation_free
 def kicks(count: int, longest: int, eps: float, s: Search) -> float:
     """Kick and improve ``count`` times and undo whatever left the tour longer; returns the gain of all kicks."""
     total = 0.0

@@ -111,11 +111,11 @@ def partition_frame(
         last, history = swarm_partition(
             ring, termination_shares(legs), expected, settings, segments=segments, seed=seed
         )
-        return _judged((np.roll(last, 1) + 1) % n, ring, settings, history)
+        return _judge((np.roll(last, 1) + 1) % n, ring, settings, history)
     if route_lengths_m is not None:
-        return _judged(_cheapest(ring, settings, segments), ring, settings, None)
+        return _judge(_cheapest(ring, settings, segments), ring, settings, None)
     first = exact_partition(ring, settings.margin_s, segments, too_few=settings.too_few)
-    return _judged(first, ring, settings, None)
+    return _judge(first, ring, settings, None)
 
 
 def exact_partition(ring: Ring, margin_s: float, segments: int | None, *, too_few: TooFew = "least_late") -> Ints:
@@ -264,7 +264,7 @@ def _times_and_periods(first: Ints, ring: Ring) -> tuple[Floats, Floats]:
     return times_s, np.array([segment_period_s(at, count, ring) for at, count in pairs])
 
 
-def _judged(first: Ints, ring: Ring, settings: PartitionSettings, history: Floats | None) -> Partition:
+def _judge(first: Ints, ring: Ring, settings: PartitionSettings, history: Floats | None) -> Partition:
     """The partition with these first waypoints (m,), and what it costs."""
     first = np.sort(first)
     times_s, periods_s = _times_and_periods(first, ring)

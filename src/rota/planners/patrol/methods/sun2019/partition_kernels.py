@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
 
@@ -49,14 +49,14 @@ class Layers(NamedTuple):
     least_at: Any
 
 
-@compiled
+@allocation_free
 def segment_period_s(first: int, count: int, ring: Ring) -> float:
     """Eq. 23: the smallest period of the segment's waypoints."""
     level = ring.level[count]
     return min(ring.period_s[level, first], ring.period_s[level, first + count - (1 << level)])
 
 
-@compiled
+@allocation_free
 def segment_time_s(first: int, count: int, ring: Ring) -> float:
     """Eq. 26: seconds of the closed route round the segment, looked up or taken as twice its length and 2 pi r_s."""
     if ring.route_s.shape[0] > 0:
@@ -69,13 +69,13 @@ def segment_time_s(first: int, count: int, ring: Ring) -> float:
     return (2.0 * long_m + ring.around_m) / ring.speed_m_s
 
 
-@compiled
+@allocation_free
 def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
     """By how much the segment's time and the margin exceed its period; negative where they do not."""
     return segment_time_s(first, count, ring) + margin_s - segment_period_s(first, count, ring)
 
 
-@compiled
+@allocation_free
 def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, longest: Any) -> None:
     """Fill longest (n,) with the most waypoints, 1 or more, of a segment from each waypoint on within its period.
 
@@ -95,7 +95,7 @@ def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, 
         longest[first] = count
 
 
-@compiled
+@allocation_free
 def fewest_segments(longest: Any) -> int:
     """The fewest segments that make up the closed frame, none longer than longest (n,) allows.
 
@@ -113,7 +113,7 @@ def fewest_segments(longest: Any) -> int:
     return best
 
 
-@compiled
+@allocation_free
 def narrowest_place(longest: Any) -> int:
     """The waypoint that the fewest segments reach over; some segment begins at it or at one of those before it."""
     n = longest.shape[0]
@@ -125,7 +125,7 @@ def narrowest_place(longest: Any) -> int:
     return place
 
 
-@compiled
+@allocation_free
 def starts_before(at: int, longest: Any) -> int:
     """How many waypoints in a row, from ``at`` backwards, have a longest segment that reaches over ``at``."""
     n = longest.shape[0]
@@ -135,13 +135,13 @@ def starts_before(at: int, longest: Any) -> int:
     return back
 
 
-@compiled
+@allocation_free
 def better(late: float, uneven: float, than_late: float, than_uneven: float) -> bool:
     """Whether less is late, or as much and the shares of the periods are more even."""
     return late < than_late - TIE or (late <= than_late + TIE and uneven < than_uneven)
 
 
-@compiled
+@allocation_free
 def best_partition(segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers, first: Any) -> bool:
     """Find the best partition into ``segments`` segments by dynamic programming; False where there is none.
 
@@ -165,7 +165,7 @@ def best_partition(segments: int, margin_s: float, longest: Any, ring: Ring, lay
     return best_late < math.inf
 
 
-@compiled
+@allocation_free
 def lay_out_from(start: int, segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers) -> None:
     """Fill the layers with the best way to cut the first ``at`` waypoints from ``start`` on, for all at and k."""
     n = longest.shape[0]

@@ -7,7 +7,7 @@ import math
 from typing import Any, NamedTuple
 
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
 
 
@@ -48,7 +48,7 @@ class Swarm(NamedTuple):
     ends: Any
 
 
-@compiled
+@allocation_free
 def nearest_sensor(theta: float, cuts: Cuts) -> int:
     """The sensor (0..n, where n is the first one again) nearest to this share of the way round."""
     bins = cuts.nearby.shape[0]
@@ -58,14 +58,14 @@ def nearest_sensor(theta: float, cuts: Cuts) -> int:
     return k if theta - cuts.share[k] <= cuts.share[k + 1] - theta else k + 1
 
 
-@compiled
+@allocation_free
 def cost_of(seconds_late: float, rules: Rules) -> float:
     """What one segment adds to Eq. 28; seconds_late: T_a - T_c + T_m, negative for T_err."""
     late, early = max(0.0, seconds_late), max(0.0, -seconds_late)
     return rules.weight_late * late + rules.weight_segments + rules.weight_early * early
 
 
-@compiled
+@allocation_free
 def end_sensors(position: Any, dimensions: int, cuts: Cuts, ends: Any) -> int:
     """Fill ends with the last sensors of the segments in the order of the frame; returns how many segments there are.
 
@@ -91,7 +91,7 @@ def end_sensors(position: Any, dimensions: int, cuts: Cuts, ends: Any) -> int:
     return count + 1
 
 
-@compiled
+@allocation_free
 def fitness(position: Any, dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, ends: Any) -> float:
     """Eq. 28 of the segments that end at the given shares of the way round; the first begins behind sensor 0."""
     n = cuts.share.shape[0] - 1
@@ -103,21 +103,23 @@ def fitness(position: Any, dimensions: int, cuts: Cuts, ring: Ring, rules: Rules
     return total
 
 
-@compiled
-def moved(x: float, v: float, y: float, best: float, inertia: float, r1: float, r2: float, rules: Rules) -> float:
+@allocation_free
+def next_velocity(
+    x: float, v: float, y: float, best: float, inertia: float, r1: float, r2: float, rules: Rules
+) -> float:
     """Eq. 27: the velocity of one coordinate after the update, within its limits."""
     v = inertia * v + rules.own_pull * r1 * (y - x) + rules.swarm_pull * r2 * (best - x)
     return min(max(v, rules.least_velocity), rules.most_velocity)
 
 
-@compiled
+@allocation_free
 def inertia_at(iteration: int, rules: Rules) -> float:
     """The inertial weight: from the largest in the first iteration (0) evenly down to the smallest in the last."""
     steps = max(1, rules.iterations - 1)
     return rules.most_inertia - (rules.most_inertia - rules.least_inertia) * iteration / steps
 
 
-@compiled
+@allocation_free
 def fly(dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history: Any, rng: Any) -> float:
     """Let one swarm fly from a random start to its last iteration; returns the cost of s.best, its best position.
 
@@ -136,7 +138,7 @@ def fly(dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history
         for i in range(s.value.shape[0]):
             for d in range(dimensions):
                 x, r1, r2 = s.x[i, d], uniform(rng), uniform(rng)
-                s.v[i, d] = moved(x, s.v[i, d], s.y[i, d], s.best[d], inertia, r1, r2, rules)
+                s.v[i, d] = next_velocity(x, s.v[i, d], s.y[i, d], s.best[d], inertia, r1, r2, rules)
                 s.x[i, d] = min(max(x + s.v[i, d], 0.0), 1.0)
             value = fitness(s.x[i], dimensions, cuts, ring, rules, s.ends)
             if value < s.value[i]:
@@ -149,7 +151,7 @@ def fly(dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history
     return best
 
 
-@compiled
+@allocation_free
 def keep_best(i: int, dimensions: int, best: float, s: Swarm) -> float:
     """Make particle i's best position the swarm's where it is better; returns the cost of the swarm's."""
     if s.value[i] >= best:
@@ -159,7 +161,7 @@ def keep_best(i: int, dimensions: int, best: float, s: Swarm) -> float:
     return s.value[i]
 
 
-@compiled
+@allocation_free
 def fly_all(
     dimensions: Any, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history: Any, rngs: Any, position: Any
 ) -> int:  # fmt: skip

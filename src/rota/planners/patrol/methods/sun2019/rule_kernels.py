@@ -8,7 +8,7 @@ import math
 from typing import Any, NamedTuple
 
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground, is_place
 from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, FLAG, X, Y
 
@@ -46,14 +46,14 @@ class Group(NamedTuple):
     last: int
 
 
-@compiled
+@allocation_free
 def apart_m(p: Any, d: int, q: Any, e: int, box: Any) -> float:
     """Distance in metres between sensor d of p (n, 3) and sensor e of q (n, 3)."""
     dx, dy = (p[d, X] - q[e, X]) * box[2], (p[d, Y] - q[e, Y]) * box[3]
     return math.sqrt(dx * dx + dy * dy)
 
 
-@compiled
+@allocation_free
 def put(p: Any, d: int, x_m: float, y_m: float, box: Any) -> None:
     """Deploy sensor d of p (n, 3) at the place (x_m, y_m), or at the nearest place of the box."""
     p[d, X] = min(1.0, max(0.0, (x_m - box[0]) / box[2]))
@@ -61,7 +61,7 @@ def put(p: Any, d: int, x_m: float, y_m: float, box: Any) -> None:
     p[d, FLAG] = 1.0
 
 
-@compiled
+@allocation_free
 def delete_sensor(p: Any, context: Any, group: Group, delete_m: float, box: Any) -> int:
     """Eq. 9: withdraw the group's sensor nearest to another one of the context, if nearer than delete_m.
 
@@ -82,7 +82,7 @@ def delete_sensor(p: Any, context: Any, group: Group, delete_m: float, box: Any)
     return chosen
 
 
-@compiled
+@allocation_free
 def fuse_sensors(p: Any, group: Group, fuse_m: float, box: Any, rng: Any) -> int:
     """Eq. 10: put a sensor midway between itself and its nearest of the group, if nearer than tau (fuse_m).
 
@@ -109,7 +109,7 @@ def fuse_sensors(p: Any, group: Group, fuse_m: float, box: Any, rng: Any) -> int
     return -1
 
 
-@compiled
+@allocation_free
 def add_sensor(p: Any, group: Group, x_m: float, y_m: float, near_m: float, terrain: Terrain, rng: Any) -> int:
     """Eq. 7: deploy a random sensor of the group within near_m of a cell's centre (x_m, y_m).
 
@@ -130,7 +130,7 @@ def add_sensor(p: Any, group: Group, x_m: float, y_m: float, near_m: float, terr
     return -1
 
 
-@compiled
+@allocation_free
 def move_sensor(p: Any, group: Group, x_m: float, y_m: float, law: MovementLaw, box: Any, rng: Any) -> int:
     """Eq. 8: move the group's nearest sensor a short way towards a cell's centre (x_m, y_m).
 

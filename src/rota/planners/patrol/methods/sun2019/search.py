@@ -17,7 +17,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
-from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measured
+from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measure
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -52,7 +52,7 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
         framed = framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
         first = first or framed
         if settings.route.routes == "printed":
-            return as_printed(context, framed, settings)
+            return plan_as_printed(context, framed, settings)
         best = reduce_team(turn_context, framed, settings, best)
         if context.should_stop() or (is_good(best) and robots_of(best) <= context.enough_robots):
             break
@@ -124,7 +124,7 @@ def repaired_routes(context: Context, stages: Stages, settings: MethodSettings) 
         if (best.met and robots_of(best) <= robots) or context.should_stop() or len(plan.tours) < robots:
             break
         driven_m = np.array([tour_length_m(tour) for tour in plan.tours[:robots]])
-        stages = cut(context, measured(stages, driven_m, context.problem.robot), settings, robots)
+        stages = cut(context, measure(stages, driven_m, context.problem.robot), settings, robots)
         plan = repair_until_feasible(
             context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds
         )
@@ -132,7 +132,7 @@ def repaired_routes(context: Context, stages: Stages, settings: MethodSettings) 
     return best
 
 
-def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Repaired:
+def plan_as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Repaired:
     """The plan of the routes as they are, judged."""
     tours = tours_of(context.problem, cut(context, framed, settings, None))
     plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rota.compiled.kernel import kernel
 from rota.geometry.kernels import EdgeGrid, point_in_space, point_sees_point
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 HAIR = 1e-9  # of a length: what is nearer to a wall, or to the end of the reach, is settled with care, or in favour
 
@@ -52,7 +52,7 @@ class Ground(NamedTuple):
     wall_item: Any
 
 
-@compiled
+@allocation_free
 def corner_in_sight(ax: float, ay: float, bx: float, by: float, first: int, last: int, ground: Ground) -> bool:
     """Whether the line from a sensor a to a corner b meets the inside of no obstacle; walls first..last are near."""
     ux, uy = bx - ax, by - ay
@@ -75,7 +75,7 @@ def corner_in_sight(ax: float, ay: float, bx: float, by: float, first: int, last
     return True
 
 
-@compiled
+@allocation_free
 def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: Any, seen: Any) -> int:
     """Write the cells that a sensor at (px, py) sees into ``seen``, ascending; returns how many.
 
@@ -143,7 +143,7 @@ def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) ->
     return start, items
 
 
-@compiled
+@allocation_free
 def most_in_reach(cells: CellTable, reach_m: float) -> int:
     """An upper bound of the cells that a sensor can see: the most in any window of squares as wide as its disc."""
     span = int(np.ceil(2.0 * reach_m / cells.cell_m)) + 1
@@ -158,7 +158,7 @@ def most_in_reach(cells: CellTable, reach_m: float) -> int:
     return most
 
 
-@compiled
+@allocation_free
 def is_place(px: float, py: float, ground: Ground) -> bool:
     """Whether a sensor may be there."""
     return bool(point_in_space(px, py, ground.space))

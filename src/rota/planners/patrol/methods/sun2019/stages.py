@@ -127,7 +127,7 @@ def cut_in_segments(
     robots: how many segments in all, but at least one in each part and no more than it has sensors; None: as many as
     the partition needs. Parts with the least load give robots up first.
     """
-    counts = None if robots is None else shared_out(framed, robot, settings, robots)
+    counts = None if robots is None else share_out(framed, robot, settings, robots)
     partitions = [
         partition_of(part, robot, settings, seed=framed.seed, segments=None if counts is None else counts[k])
         for k, part in enumerate(framed.parts)
@@ -160,7 +160,7 @@ def partition_of(
     )  # fmt: skip
 
 
-def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: int) -> list[int]:
+def share_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: int) -> list[int]:
     """Robots of each part (p,), ``robots`` in all: one more where the load is greatest, one fewer where it is least."""
     if len(framed.parts) == 1:
         return [min(max(robots, 1), len(framed.parts[0].sensors))]
@@ -176,7 +176,7 @@ def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: i
     return counts
 
 
-def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
+def measure(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
     """The frames with legs that count as long as the driven routes (m,) round their segments came to, in metres.
 
     The next partition then gives shorter segments where repair made routes long, and longer segments where it did not.

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 X, Y, FLAG = 0, 1, 2
 DEPLOYED = 0.5  # the least flag of a sensor that counts
@@ -57,7 +57,7 @@ class Swarms(NamedTuple):
     bare_item: Any
 
 
-@compiled
+@allocation_free
 def fitness(counts: Any, weights: Any) -> float:
     """Eq. 11."""
     return (
@@ -68,7 +68,7 @@ def fitness(counts: Any, weights: Any) -> float:
     )
 
 
-@compiled
+@allocation_free
 def count_in(i: int, d: int, particles: Particles, times: Any, counts: Any, step: int) -> None:
     """Add sensor d of particle i to what is counted (step 1), or take it away (step -1)."""
     if particles.place[i, d, FLAG] < DEPLOYED:
@@ -89,14 +89,14 @@ def count_in(i: int, d: int, particles: Particles, times: Any, counts: Any, step
             counts[OVERLAPPED] += step
 
 
-@compiled
+@allocation_free
 def count_group(i: int, first: int, last: int, order: Any, particles: Particles, s: Swarms, step: int) -> None:
     """Add the sensors order[first:last] of particle i to the context's counts, or take them away."""
     for k in range(first, last):
         count_in(i, order[k], particles, s.times, s.counts, step)
 
 
-@compiled
+@allocation_free
 def copy_sensor(i: int, source: Particles, j: int, target: Particles, d: int) -> None:
     """Give sensor d of particle j of the target all that the source's particle i has there."""
     target.place[j, d, X] = source.place[i, d, X]
@@ -108,7 +108,7 @@ def copy_sensor(i: int, source: Particles, j: int, target: Particles, d: int) ->
         target.seen[j, d, k] = source.seen[i, d, k]
 
 
-@compiled
+@allocation_free
 def begin(s: Swarms) -> None:
     """Take the best whole particle as the context vector, and every particle as the best it has been."""
     n, m = s.order.shape[0], s.times.shape[0]
@@ -132,7 +132,7 @@ def begin(s: Swarms) -> None:
     count_group(0, 0, n, s.order, s.context, s, 1)
 
 
-@compiled
+@allocation_free
 def judge(s: Swarms) -> float:
     """Update P_j.y_i, the best of each swarm and the context vector (Eqs. 5 and 6), swarm by swarm.
 
@@ -164,7 +164,7 @@ def judge(s: Swarms) -> float:
     return fitness(s.counts, s.weights)
 
 
-@compiled
+@allocation_free
 def list_bare(s: Swarms) -> None:
     """List the cells that the context leaves unseen, up to bare_start[0], then for each swarm the cells only it sees.
 
@@ -191,7 +191,7 @@ def list_bare(s: Swarms) -> None:
         s.bare_start[j + 1] = listed
 
 
-@compiled
+@allocation_free
 def best_neighbour(i: int, j: int, reach: int, best_fitness: Any) -> int:
     """Eq. 4: the particle with the least fitness of P_j.y among i and ``reach`` neighbours on either side.
 

@@ -97,7 +97,7 @@ def find_frame(
         pieces_m = [graph.positions_m[leg] for leg in legs]
         changes = sum(int(changes_zone(graph.zone[a], graph.zone[b])) for a, b in legs)
     else:
-        pieces_m, changes = travelled(graph, order, settings.a_star)
+        pieces_m, changes = travel(graph, order, settings.a_star)
     blocked = [not bool(segments_free(piece[:-1], piece[1:], paths.grid).all()) for piece in pieces_m]
     return Frame(
         order=order,
@@ -127,7 +127,7 @@ def shortest_order(distance: Floats, straight_m: Floats, settings: TourSettings,
     )
 
 
-def travelled(graph: ProximityGraph, order: Ints, weights: AStarWeights) -> tuple[list[Floats], int]:
+def travel(graph: ProximityGraph, order: Ints, weights: AStarWeights) -> tuple[list[Floats], int]:
     """The polyline (k, 2) of each leg of the closed tour, by A* on the graph, and changes of sub-region in all.
 
     Where the graph is torn the leg is the exact shortest path round obstacles.

@@ -8,7 +8,7 @@ import math
 from typing import Any, NamedTuple
 
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.rule_kernels import (
     TRIES,
     Group,
@@ -78,37 +78,37 @@ class Scratch(NamedTuple):
     missing: Any
 
 
-@compiled
+@allocation_free
 def group_of(j: int, s: Swarms) -> Group:
     """The sensors of swarm j."""
     return Group(s.order, s.group_start[j], s.group_start[j + 1])
 
 
-@compiled
+@allocation_free
 def velocity_now(v: float, x: float, y: float, hat: float, r1: float, r2: float, law: VelocityLaw) -> float:
     """Eq. 2, first line, cut to the law's limits."""
     return min(law.most, max(law.least, law.inertia * v + law.c1 * r1 * (y - x) + law.c2 * r2 * (hat - x)))
 
 
-@compiled
-def sampled(y: float, near: float, cauchy: bool, draw: float) -> float:
+@allocation_free
+def sample(y: float, near: float, cauchy: bool, draw: float) -> float:
     """Eq. 3: round the particle's best (Cauchy) or the best of its neighbourhood (Gaussian), as wide as they differ."""
     return (y if cauchy else near) + draw * abs(y - near)
 
 
-@compiled
+@allocation_free
 def cauchy_draw(rng: Any) -> float:
     """C(1): a number of the standard Cauchy distribution."""
     return math.tan(math.pi * (uniform(rng) - 0.5))
 
 
-@compiled
+@allocation_free
 def normal_draw(rng: Any) -> float:
     """N(0, 1): a number of the standard normal distribution."""
     return math.sqrt(-2.0 * math.log(1.0 - uniform(rng))) * math.cos(2.0 * math.pi * uniform(rng))
 
 
-@compiled
+@allocation_free
 def see(i: int, d: int, particles: Particles, terrain: Terrain, known: Any) -> None:
     """Find out anew what sensor d of particle i sees; known: see ``cells_seen``."""
     place, box = particles.place, terrain.box
@@ -123,7 +123,7 @@ def see(i: int, d: int, particles: Particles, terrain: Terrain, known: Any) -> N
         particles.off[i, d] = 1
 
 
-@compiled
+@allocation_free
 def see_all(begin: int, end: int, scratch: Scratch, particles: Particles, terrain: Terrain) -> None:
     """Find out what all sensors of the particles begin..end - 1 see."""
     for i in range(begin, end):
@@ -131,7 +131,7 @@ def see_all(begin: int, end: int, scratch: Scratch, particles: Particles, terrai
             see(i, d, particles, terrain, scratch.known)
 
 
-@compiled
+@allocation_free
 def list_missing(i: int, j: int, s: Swarms, scratch: Scratch) -> int:
     """List in scratch the cells unseen with particle i of swarm j in the context vector; returns how many there are."""
     marks, missing = scratch.marks, scratch.missing
@@ -153,7 +153,7 @@ def list_missing(i: int, j: int, s: Swarms, scratch: Scratch) -> int:
     return count
 
 
-@compiled
+@allocation_free
 def cover_missing(i: int, j: int, missing: int, fused: bool, iteration: Iteration, scratch: Scratch, rng: Any) -> None:
     """Let swarm j of particle i see one more of the ``missing`` cells in scratch, drawn by lot.
 
@@ -180,7 +180,7 @@ def cover_missing(i: int, j: int, missing: int, fused: bool, iteration: Iteratio
             return
 
 
-@compiled
+@allocation_free
 def apply_rules(i: int, j: int, iteration: Iteration, scratch: Scratch, rng: Any) -> None:
     """Lines 27 to 35 of Algorithm 1, for swarm j of particle i."""
     s, rules, terrain = iteration.swarms, iteration.rules, iteration.terrain
@@ -205,7 +205,7 @@ def apply_rules(i: int, j: int, iteration: Iteration, scratch: Scratch, rng: Any
                 missing = list_missing(i, j, s, scratch)
 
 
-@compiled
+@allocation_free
 def follow(i: int, j: int, neighbour: int, by_velocity: bool, iteration: Iteration, scratch: Scratch, rng: Any) -> None:
     """Lines 37 to 43 of Algorithm 1: Eq. 2, with velocities, or Eq. 3, sampling; places stay within the box.
 
@@ -225,7 +225,7 @@ def follow(i: int, j: int, neighbour: int, by_velocity: bool, iteration: Iterati
             else:
                 cauchy = uniform(rng) < rules.cauchy_probability
                 draw = cauchy_draw(rng) if cauchy else normal_draw(rng)
-                x = sampled(y, s.best.place[neighbour, d, axis], cauchy, draw)
+                x = sample(y, s.best.place[neighbour, d, axis], cauchy, draw)
             x = min(1.0, max(0.0, x))
             moved = moved or x != s.now.place[i, d, axis]
             s.now.place[i, d, axis] = x
@@ -233,7 +233,7 @@ def follow(i: int, j: int, neighbour: int, by_velocity: bool, iteration: Iterati
             see(i, d, s.now, iteration.terrain, scratch.known)
 
 
-@compiled
+@allocation_free
 def update(begin: int, end: int, scratch: Scratch, iteration: Iteration, states: Any) -> None:
     """Move the particles begin..end - 1 of every swarm and find out what they see.
 

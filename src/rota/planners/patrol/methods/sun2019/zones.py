@@ -102,14 +102,14 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
     hidden = obstacles
     for region in sorted(demanded_regions(mission), key=lambda region: region.period_s):
         if region.demand == "visit":
-            yield _visited(region, standing, lattice)
+            yield _visit_task(region, standing, lattice)
             continue
         cells = cells_of(region.shape, lattice, hidden=hidden, border=border)
         own = polygons_of(region.shape.intersection(standing), SLIVER)
         grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
         tasks, left = cover_tasks(cells, (own, standing), grounds)
         for _ in range(QUARTERINGS if len(left) else 0):
-            cells = cells.quartered(left)
+            cells = cells.quarter(left)
             tasks, left = cover_tasks(cells, (own, standing), grounds)
             if not len(left):
                 break
@@ -117,7 +117,7 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
         hidden = polygons_of(shapely.union_all([hidden, region.shape]), SLIVER)
 
 
-def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -> ZoneTasks:
+def _visit_task(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -> ZoneTasks:
     """The task of a zone that asks for visits; raises NoPlanFound where no robot can be inside."""
     where = polygons_of(region.shape.intersection(standing), SLIVER)
     if where.is_empty:

@@ -9,7 +9,7 @@ from rota.planners.patrol.context import Context, silent
 from rota.planners.patrol.efforts import TIGHT
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.methods.sweeping.methods import sequential_once
-from rota.planners.patrol.methods.sweeping.search import Proposal, first_proposals, judged_by_lanes
+from rota.planners.patrol.methods.sweeping.search import Proposal, first_proposals, judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -18,7 +18,7 @@ PATIENCE_S = 10.0  # of processor time, for a plan of lanes where the search was
 CROWDED = 0.25  # of the reach: robots that follow each other so closely see what few that stand could see
 
 
-def swept(context: Context, settings: SearchSettings) -> Repaired | None:
+def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
     """A plan of lanes, judged, for a search that has no plan yet; None if none passes.
 
     One route over the ground of each group of periods, shared by robots. Where repairs make it longer than these can
@@ -28,7 +28,7 @@ def swept(context: Context, settings: SearchSettings) -> Repaired | None:
     end_s, stopped = time.process_time() + PATIENCE_S, context.should_stop()
     context.progress(0.0, "sweeping in lanes")
     hasty = replace(
-        context, problem=judged_by_lanes(context.problem), settings=settings, progress=silent,
+        context, problem=judge_by_lanes(context.problem), settings=settings, progress=silent,
         should_stop=lambda: time.process_time() > end_s if stopped else context.should_stop(),
     )  # fmt: skip
     proposals = list(first_proposals(sequential_once(settings.sweeping.angles), hasty))

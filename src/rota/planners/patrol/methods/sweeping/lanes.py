@@ -66,7 +66,7 @@ class Swath:
         return np.minimum(behind, middle), np.maximum(ahead, middle)
 
 
-def turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
+def turn_shape(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
     """The shape turned about the origin."""
     turn = turning(angle_rad)
     return shapely.transform(shape, lambda xy: xy @ turn)
@@ -74,7 +74,7 @@ def turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
 
 def ground_turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
     """Ground turned about the origin, its corners moved onto a grid so fine that it stays valid whatever the angle."""
-    return off_grid(shapely.set_precision(turned(shape, angle_rad), GRID_M))
+    return off_grid(shapely.set_precision(turn_shape(shape, angle_rad), GRID_M))
 
 
 def off_grid(shape: BaseGeometry) -> BaseGeometry:
@@ -156,7 +156,7 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
     along obstacles that reach into its strip, and is left out where no robot can be in its strip. Lanes come in the
     order of their strips.
     """
-    ground, room = ground_turned(shape, -swath.angle_rad), turned(space, -swath.angle_rad)
+    ground, room = ground_turned(shape, -swath.angle_rad), turn_shape(space, -swath.angle_rad)
     if ground.is_empty:
         return []
     left, low, right, high = ground.bounds
@@ -195,7 +195,7 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
             pieces.insert(0, np.array([nearest_free_point(room, (first_m, middle_m))]))
         if pieces[-1][-1, 0] < last_m - SHORT_M:
             pieces.append(np.array([nearest_free_point(room, (last_m, middle_m))]))
-    return joined_within(room, pieces)
+    return join_within(room, pieces)
 
 
 def within(value: float, low: float, high: float) -> float:
@@ -226,7 +226,7 @@ def straight_pieces(space: BaseGeometry, height_m: float, first_m: float, last_m
     return sorted((line if line[0, 0] <= line[-1, 0] else line[::-1] for line in pieces), key=lambda line: line[0, 0])
 
 
-def joined_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
+def join_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
     """The pieces of a lane joined by the shortest ways inside their strip; apart where there is no such way."""
     if len(pieces) < 2:
         return pieces

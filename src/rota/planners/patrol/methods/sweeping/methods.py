@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.methods.sweeping.lanes import ground_turned, slab, turned, turning
+from rota.planners.patrol.methods.sweeping.lanes import ground_turned, slab, turn_shape, turning
 from rota.planners.patrol.methods.sweeping.routes import (
     SweepGround,
     angles,
@@ -41,7 +41,7 @@ MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 def sequential(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
-    return shared(best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape)), reserve, most)
+    return share_out(best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape)), reserve, most)
 
 
 def sequential_once(most_angles: int) -> Sweeping:
@@ -53,12 +53,12 @@ def sequential_once(most_angles: int) -> Sweeping:
         if key not in routes:
             tried = promising_angles(problem, ground.shape, most_angles)
             routes[key] = best_route(problem, ground, ground.shape, tried)
-        return shared(routes[key], reserve, most)
+        return share_out(routes[key], reserve, most)
 
     return sweeping
 
 
-def shared(tour: Tour | None, reserve: float, most: int | None) -> list[Tour] | None:
+def share_out(tour: Tour | None, reserve: float, most: int | None) -> list[Tour] | None:
     """The route with as many robots as its length needs; none where there is no route."""
     return [] if tour is None else not_more([replace(tour, robots=robots_for(tour, reserve))], most)
 
@@ -116,7 +116,7 @@ def strips_at(
     stops = np.searchsorted(edges, (ground.stops_m @ turning(-angle_rad))[:, 1]).clip(1, lanes) - 1
 
     def strip(first: int, last: int) -> SweepGround:
-        shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
+        shape = MultiPolygon([turn_shape(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
         return replace(ground, shape=shape, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
 
     @cache
@@ -124,7 +124,7 @@ def strips_at(
         ground_of_strip = strip(first, last)
         return best_route(problem, ground_of_strip, ground_of_strip.shape, [angle_rad])
 
-    def divided(share: float, most: int | None) -> list[Tour] | None:
+    def divide(share: float, most: int | None) -> list[Tour] | None:
         """From below, every strip as wide as one robot with this share of its budget can sweep."""
         strips: list[Tour] = []
         first = 0
@@ -140,14 +140,14 @@ def strips_at(
             first = last
         return not_more(strips, most)
 
-    best = divided(1 - reserve, most)
+    best = divide(1 - reserve, most)
     if best is None:
         return None
     # no share below the mean load of the robots can do with as many
     loose, tight = 1 - reserve, sum(load(tour) * tour.robots for tour in best) / max(1, burden(best)[0])
     for _ in range(BALANCING if len(best) > 1 else 0):
         middle = (loose + tight) / 2
-        even = divided(middle, burden(best)[0])
+        even = divide(middle, burden(best)[0])
         if even is not None and burden(even) <= burden(best):
             best, loose = even, middle
         else:
@@ -166,7 +166,7 @@ def pieces_of_lane(problem: Problem, strip: SweepGround, whole: Tour, angle_rad:
     spare = 1 if whole.robot.body_radius_m > 0 else 0
     for count in range(2, shared.robots + spare + 1):
         edges = low + (high - low) * np.arange(count + 1) / count
-        areas = [MultiPolygon([turned(part, angle_rad - math.pi / 2) for part in slab(upright, a, b)])
+        areas = [MultiPolygon([turn_shape(part, angle_rad - math.pi / 2) for part in slab(upright, a, b)])
                  for a, b in pairwise(edges)]  # fmt: skip
         tours = tours_over(problem, strip, [area for area in areas if not area.is_empty], [angle_rad])
         if all(fits(tour, share) for tour in tours):
@@ -272,4 +272,4 @@ def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[Mul
         below = sum(part.area for part in slab(upright, low - 1, middle))
         bottom, top = (middle, top) if below < share * upright.area else (bottom, middle)
     both = [MultiPolygon(slab(upright, low - 1, middle)), MultiPolygon(slab(upright, middle, high + 1))]
-    return turned(both[0], angle_rad), turned(both[1], angle_rad)
+    return turn_shape(both[0], angle_rad), turn_shape(both[1], angle_rad)

@@ -24,7 +24,7 @@ from rota.planners.patrol.methods.sweeping.lanes import (
     ground_turned,
     lanes_in,
     polygons,
-    turned,
+    turn_shape,
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -73,7 +73,7 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
             for region, c in zip(problem.regions, problem.region_class, strict=True)
             if c in group and region.demand == "every_point"
         ]
-        shape = smoothed(shapely.union_all(shapes, grid_size=GRID_M), 0.02 * problem.reach_m)
+        shape = smooth(shapely.union_all(shapes, grid_size=GRID_M), 0.02 * problem.reach_m)
         visits = problem.points.xy_m[(problem.points.visit_m > 0) & np.isin(problem.points.period, group)]
         parts = problem.paths.part_of(visits)
         for part, claim in enumerate(claims):
@@ -84,7 +84,7 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
     return swept
 
 
-def smoothed(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
+def smooth(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
     """The shape without joints, slivers and the steps of a scanned map: lanes need no such detail, mending sees it."""
     simple = shapely.simplify(shape, tolerance_m)
     return simple if simple.is_valid and not simple.is_empty else shape
@@ -171,7 +171,7 @@ def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: b
 def cells_at(shape: MultiPolygon, angle_rad: float) -> list[BaseGeometry]:
     """The boustrophedon cells of a shape for lanes at this angle."""
     upright = ground_turned(shape, -angle_rad)
-    return [turned(cell, angle_rad) for part in polygons(upright) for cell in cells(part)]
+    return [turn_shape(cell, angle_rad) for part in polygons(upright) for cell in cells(part)]
 
 
 def best_lanes(problem: Problem, cell: BaseGeometry, tried: list[float]) -> list[Floats]:
@@ -194,7 +194,7 @@ def without_a_side(
         side = polygons(shapely.intersection(upright, strip, grid_size=GRID_M))
         rest = polygons(shapely.difference(upright, strip, grid_size=GRID_M))
         if side and rest:
-            yield turned(MultiPolygon(side), angle_rad), turned(MultiPolygon(rest), angle_rad)
+            yield turn_shape(MultiPolygon(side), angle_rad), turn_shape(MultiPolygon(rest), angle_rad)
 
 
 def best_route(

@@ -61,7 +61,7 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
     """
     settings = context.settings
     tries, rounds = settings.sweeping.tries, settings.repair.rounds
-    exact = replace(context, problem=judged_by_lanes(context.problem))
+    exact = replace(context, problem=judge_by_lanes(context.problem))
     proposals = list(first_proposals(sweeping, exact))
     if not proposals:
         raise NoPlanFound("no lane lies where a robot can be")
@@ -78,7 +78,7 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
             best = repaired
         elif proposal.reserve + 1 < len(settings.sweeping.reserves):
             most = None if best is None else best.robots - 1
-            careful = proposed(sweeping, exact, proposal.groups, proposal.reserve + 1, most)
+            careful = propose(sweeping, exact, proposal.groups, proposal.reserve + 1, most)
             proposals += [] if careful is None else [careful]
     if best is None:
         context.progress(0.9, "finishing with the robots that the repair asks for")
@@ -87,7 +87,7 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
     return best
 
 
-def judged_by_lanes(problem: Problem) -> Problem:
+def judge_by_lanes(problem: Problem) -> Problem:
     """The problem with points that stand for themselves alone: lanes leave no gaps between them, the check decides."""
     return replace(problem, points=replace(problem.points, shrink_m=0.0 * problem.points.shrink_m))
 
@@ -103,7 +103,7 @@ def first_proposals(sweeping: Sweeping, context: Context) -> Iterator[Proposal]:
     fewest: int | None = None
     for k, groups in enumerate(groupings):
         context.progress(0.3 * k / len(groupings), "laying lanes")
-        proposal = proposed(sweeping, context, groups, 0, fewest)
+        proposal = propose(sweeping, context, groups, 0, fewest)
         if proposal is not None and proposal.tours:
             fewest = min(proposal.rank[0], fewest or proposal.rank[0])
             yield proposal
@@ -111,7 +111,7 @@ def first_proposals(sweeping: Sweeping, context: Context) -> Iterator[Proposal]:
             break
 
 
-def proposed(
+def propose(
     sweeping: Sweeping, context: Context, groups: tuple[tuple[int, ...], ...], reserve: int, most: int | None
 ) -> Proposal | None:
     """The method's tours over the ground of every group and component; None when they are surely more than ``most``."""

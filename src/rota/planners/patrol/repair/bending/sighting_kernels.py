@@ -9,20 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
-from rota.planners.patrol.ground.sight_kernels import STANDING_M2, Line, compiled, hidden_until, norm, range_interval
+from rota.planners.patrol.ground.sight_kernels import (
+    STANDING_M2,
+    Line,
+    allocation_free,
+    end_of_hiding,
+    norm,
+    range_interval,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@compiled
+@allocation_free
 def range_at(px: float, py: float, dx: float, dy: float, t: float, square: int) -> Any:
     """Range of a sensor that takes in the origin from p + t d: a radius, or half a side."""
     x, y = px + t * dx, py + t * dy
     return max(abs(x), abs(y)) if square else norm(x, y)
 
 
-@compiled
+@allocation_free
 def nearest_parameter(px: float, py: float, dx: float, dy: float, square: int) -> float:
     """The leg parameter in 0..1 at which p + t d is nearest to the origin, as the sensor measures it."""
     aa = dx * dx + dy * dy
@@ -79,7 +86,7 @@ class Sightings(NamedTuple):
     range_deficit_m: Floats
 
 
-@compiled
+@allocation_free
 def clear_from(line: Line, t: float, last: float, i: int, s: Samples) -> float:
     """The first leg parameter from t on, before ``last``, from which sample i is not hidden; inf: none is."""
     corner = s.origin[4]
@@ -91,7 +98,7 @@ def clear_from(line: Line, t: float, last: float, i: int, s: Samples) -> float:
             k = s.wall_item[j]
             ux, uy = s.walls[k, 0] - cx, s.walls[k, 1] - cy
             vx, vy = s.walls[k, 2] - cx, s.walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, line, corner)
+            until = end_of_hiding(t, ux, uy, vx, vy, line, corner)
             if until > t:
                 if until >= last:
                     return math.inf
@@ -100,7 +107,7 @@ def clear_from(line: Line, t: float, last: float, i: int, s: Samples) -> float:
     return t
 
 
-@compiled
+@allocation_free
 def clear_sighting(line: Line, near: float, reach_m: float, square: int, i: int, s: Samples) -> float:
     """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg that sees it."""
     px, py, dx, dy = line
@@ -118,7 +125,7 @@ def clear_sighting(line: Line, near: float, reach_m: float, square: int, i: int,
     return before if nearer else after
 
 
-@compiled
+@allocation_free
 def best_sightings(legs: SensingLegs, further_m: float, s: Samples, runs: Any, best: Sightings) -> int:
     """Write for every sample (n,) the leg and the place from which it is seen with most range to spare.
 

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.driving.polylines import split_legs, thinned
+from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -56,24 +56,24 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
             continue
         taken.append(ends)
         robots = int(shares[best[k]])
-        inside = closed(replace(tour, robots=robots), points[i[k] : j[k] + 1], paths)
+        inside = close(replace(tour, robots=robots), points[i[k] : j[k] + 1], paths)
         rest = np.vstack([points[j[k] :], points[: i[k] + 1]])
-        outside = closed(replace(tour, robots=tour.robots - robots), rest, paths)
+        outside = close(replace(tour, robots=tour.robots - robots), rest, paths)
         if inside is not None and outside is not None:
             yield inside, outside
 
 
-def closed(tour: Tour, points_m: Floats, paths: ShortestPaths) -> Tour | None:
+def close(tour: Tour, points_m: Floats, paths: ShortestPaths) -> Tour | None:
     """The tour along the points (n, 2) and back to the first by the shortest way; None when that is over its budget."""
     try:
         route = paths.paths_along(np.vstack([points_m, points_m[:1]]))
     except PlanError:
         return None
-    loop = replace(tour, vertices_m=thinned(route[:-1] if len(route) > 1 else route))
+    loop = replace(tour, vertices_m=without_straight_vertices(route[:-1] if len(route) > 1 else route))
     return loop if tour_length_m(loop) <= loop.budget_m else None
 
 
-def joined(a: Tour, b: Tour, near_m: float) -> Tour | None:
+def join(a: Tour, b: Tour, near_m: float) -> Tour | None:
     """One loop for the robots of both, over the lines of both, changed over where they are nearest; None: too far."""
     points = [split_legs(tour.vertices_m, near_m / 2) for tour in (a, b)]
     apart, nearest = cKDTree(points[1]).query(points[0])
@@ -86,11 +86,11 @@ def joined(a: Tour, b: Tour, near_m: float) -> Tour | None:
     return replace(quick, vertices_m=np.vstack([first, second, second[:1]]), robots=a.robots + b.robots)
 
 
-def changed_over(a: Tour, b: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
+def change_over(a: Tour, b: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
     """Two other loops over the lines of both, each with robots of its own, for tours of one period and one part."""
     if a.period_class != b.period_class or a.component != b.component or len(a.vertices_m) < 2 or len(b.vertices_m) < 2:
         return
-    whole = joined(a, b, near_m)
+    whole = join(a, b, near_m)
     if whole is not None:
         yield from cut_in_two(whole, near_m, paths)
 
@@ -118,7 +118,7 @@ def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Ite
             yield [*tours[:k], first, second, *tours[k + 1 :]]
     for k in range(len(tours)):
         for i in range(k):
-            for first, second in changed_over(tours[i], tours[k], near_m, paths):
+            for first, second in change_over(tours[i], tours[k], near_m, paths):
                 yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), first, second]
 
 

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.sample_kernels import Ints
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 Bytes = NDArray[np.uint8]
 ShortInts = NDArray[np.int32]
 
 
-@compiled
+@allocation_free
 def latest_starts(blocked: Bytes, begins: Bytes, latest: ShortInts) -> None:
     """Fill ``latest`` (places, times): when a robot at a place at a time left the first place, at the latest.
 
@@ -30,7 +30,7 @@ def latest_starts(blocked: Bytes, begins: Bytes, latest: ShortInts) -> None:
             latest[s, t] = -1 if blocked[s, t % columns] else best
 
 
-@compiled
+@allocation_free
 def places_until(latest: ShortInts, arrival: int, place: Ints) -> None:
     """Fill ``place`` (times,): where a robot is, from its latest start until ``arrival`` at the last place.
 

@@ -17,7 +17,7 @@ from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.polygons import polygons_of
-from rota.planners.patrol.driving.polylines import split_legs, thinned
+from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -42,14 +42,14 @@ def in_lanes(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, p
     """
     led = list(tours)
     for _ in range(MOST_STEPS):
-        moved = moved_apart(led, body_radius_m, space, paths)
+        moved = move_apart(led, body_radius_m, space, paths)
         if moved is None:
             break
         led = moved
     return led
 
 
-def moved_apart(
+def move_apart(
     tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths
 ) -> list[Tour] | None:
     """The tours after one step apart; None when nobody comes towards anybody too near."""
@@ -81,7 +81,7 @@ def moved_apart(
         mine = line == k
         if (shift_m[mine] != 0).any():
             lane = beside(places[mine], ahead[mine], shift_m[mine], body_radius_m)
-            led[k] = led_along(tour, lane, space, paths, STRAIGHTENING * body_radius_m)
+            led[k] = lead_along(tour, lane, space, paths, STRAIGHTENING * body_radius_m)
     return led
 
 
@@ -98,7 +98,7 @@ def beside(points_m: Floats, ahead: Floats, shift_m: Floats, body_radius_m: floa
     return np.asarray(shifted[kept | (shift_m == 0)])
 
 
-def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: ShortestPaths, straight_m: float) -> Tour:
+def lead_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: ShortestPaths, straight_m: float) -> Tour:
     """The tour led along the points (n, 2), each moved to the nearest place in the space, without needless points."""
     shapely.prepare(space)
     outside = ~shapely.covers(space, shapely.points(points_m))
@@ -141,7 +141,7 @@ def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: Mul
         if not sides:
             return None
         for side in sides:
-            route = thinned(paths.paths_along(np.vstack([side, side[:1]])))
+            route = without_straight_vertices(paths.paths_along(np.vstack([side, side[:1]])))
             past = replace(tour, vertices_m=route, robots=1)
             needed = math.ceil(tour_length_m(past) / past.budget_m)
             led.append(replace(past, robots=max(1, needed, tour.robots if len(sides) == 1 else 1)))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.planners.patrol.driving.timed_line import TimedLine
-from rota.planners.patrol.tours.timetable import stretched
+from rota.planners.patrol.tours.timetable import stretch_line
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 
 Floats = NDArray[np.float64]
@@ -41,7 +41,7 @@ def phases_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> l
     chosen = choices_apart(Meetings(trees, [m * grid.bins for m in clock.multiples], grid.apart_m), len(loops))
     if chosen is None:
         return None
-    return [driven(round_, choice, grid.step_s) for round_, choice in zip(rounds, chosen, strict=True)]
+    return [drive(round_, choice, grid.step_s) for round_, choice in zip(rounds, chosen, strict=True)]
 
 
 def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> list[Timed]:
@@ -50,10 +50,10 @@ def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: f
     meets = Meetings(trees, [multiple * grid.bins for multiple in clock.multiples], grid.apart_m)
     taken: list[Choice] = []
     for k in range(len(loops)):
-        both = [(meets.met(k, direction, taken), direction) for direction in (1, -1)]
+        both = [(meets.meetings(k, direction, taken), direction) for direction in (1, -1)]
         met, direction = min(both, key=lambda found: int(found[0].min()))
         taken.append(Choice(int(np.argmin(met)), direction))
-    return [driven(round_, choice, grid.step_s) for round_, choice in zip(rounds, taken, strict=True)]
+    return [drive(round_, choice, grid.step_s) for round_, choice in zip(rounds, taken, strict=True)]
 
 
 def on_the_clock(
@@ -61,19 +61,19 @@ def on_the_clock(
 ) -> tuple[list[TimedLine], list[cKDTree], Grid]:
     """The loops stretched to their headways, where each is at the samples of the common clock, and that clock."""
     durations_s = [loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True)]
-    rounds = [stretched(loop.line, s) for loop, s in zip(loops, durations_s, strict=True)]
+    rounds = [stretch_line(loop.line, s) for loop, s in zip(loops, durations_s, strict=True)]
     speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
     grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
-    return rounds, [cKDTree(sampled(round_, n)) for round_, n in zip(rounds, samples, strict=True)], grid
+    return rounds, [cKDTree(sample(round_, n)) for round_, n in zip(rounds, samples, strict=True)], grid
 
 
-def driven(round_: TimedLine, choice: Choice, step_s: float) -> Timed:
+def drive(round_: TimedLine, choice: Choice, step_s: float) -> Timed:
     """The round at its phase, in its direction."""
     return Timed(round_.backwards() if choice.direction < 0 else round_, choice.offset * step_s)
 
 
-def sampled(round_: TimedLine, samples: int) -> Floats:
+def sample(round_: TimedLine, samples: int) -> Floats:
     """Places (n, 2) at so many moments of a round, evenly spaced from its start; one place for a robot that stays."""
     if round_.stays:
         return round_.places_m
@@ -116,7 +116,7 @@ class Meetings:
             self._shifts[key] = meets
         return self._shifts[key]
 
-    def met(self, k: int, direction: int, taken: Sequence[Choice]) -> Ints:
+    def meetings(self, k: int, direction: int, taken: Sequence[Choice]) -> Ints:
         """For each offset of loop k, modulo its headway: its meetings with the loops before, at their choices."""
         met = np.zeros(self.headways[k], dtype=np.int64)
         for i, choice in enumerate(taken):
@@ -126,7 +126,7 @@ class Meetings:
 
     def free(self, k: int, direction: int, taken: Sequence[Choice]) -> Flags:
         """Which offsets of loop k, modulo its headway, meet none of the loops before."""
-        return np.asarray(self.met(k, direction, taken) == 0)
+        return np.asarray(self.meetings(k, direction, taken) == 0)
 
 
 def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:

@@ -17,7 +17,7 @@ MOST_TRIED = 12  # other routes for one crowd
 NEAR_BODIES = 4.0  # lines within this many body radii of each other can be cut and joined across
 
 
-def rerouted(
+def reroute(
     tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, may_add: bool = False
 ) -> list[Tour] | None:
     """The tours led elsewhere, so that all bodies can be kept apart by timing; None when no routes were found.
@@ -63,16 +63,16 @@ def other_routes(
     if around is not None:
         yield around
     for some in begun:
-        yield from moved_into_lanes(some, body_radius_m, space, paths)
+        yield from move_into_lanes(some, body_radius_m, space, paths)
     for some in begun:
         for anew in exchanges(some, near_m, paths):
             yield anew
-            yield from moved_into_lanes(anew, body_radius_m, space, paths)
+            yield from move_into_lanes(anew, body_radius_m, space, paths)
         if more:
             yield from with_more_robots(some, near_m, paths)
 
 
-def moved_into_lanes(
+def move_into_lanes(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths
 ) -> Iterator[list[Tour]]:
     """The tours in lanes, if that moves any of them."""

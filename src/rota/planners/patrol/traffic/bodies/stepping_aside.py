@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.planners.patrol.driving.timed_line import started_at, steady
+from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
 
@@ -55,7 +55,7 @@ def round_between(loop: Loop, waits_at: int, others: Sequence[tuple[Loop, Timed]
     free = longest_free(np.vstack([near_times(how, line, apart_m) for _, how in near]), headway_s)
     if headway_s > loop.period_s or free is None or free[1] - free[0] < loop.natural_s:
         return None
-    begun = started_at(loop.line, float(loop.line.times_s[waits_at]))
+    begun = start_at(loop.line, float(loop.line.times_s[waits_at]))
     if headway_s > begun.duration_s:
         begun = steady(np.append(begun.times_s, headway_s), np.vstack([begun.places_m, begun.places_m[:1]]))
     begins_s = (free[0] + free[1] - loop.natural_s) / 2

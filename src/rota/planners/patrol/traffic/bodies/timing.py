@@ -30,9 +30,9 @@ def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[TimedLine]
     """
     loops = [loop_of(tour) for tour in tours]
     timed = [at_full_speed(loop) for loop in loops]
-    for crowd in crowded(loops, body_radius_m):
+    for crowd in crowds_of(loops, body_radius_m):
         loops_of_crowd = [loops[k] for k in crowd]
-        apart = timed_apart(loops_of_crowd, body_radius_m) or nearly_apart(loops_of_crowd, body_radius_m)
+        apart = time_apart(loops_of_crowd, body_radius_m) or nearly_apart(loops_of_crowd, body_radius_m)
         for k, timing in zip(crowd, apart, strict=True):
             timed[k] = timing
     return [
@@ -49,7 +49,7 @@ def nearly_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed]:
     return [at_full_speed(loop) for loop in loops]
 
 
-def crowded(loops: Sequence[Loop], body_radius_m: float) -> list[list[int]]:
+def crowds_of(loops: Sequence[Loop], body_radius_m: float) -> list[list[int]]:
     """The groups of loops on which several robots come near each other, or would but for their timing."""
     if body_radius_m == 0:
         return []
@@ -61,8 +61,8 @@ def crowds_that_touch(tours: Sequence[Tour], body_radius_m: float) -> list[list[
     loops = [loop_of(tour) for tour in tours]
     return [
         crowd
-        for crowd in crowded(loops, body_radius_m)
-        if timed_apart([loops[k] for k in crowd], body_radius_m) is None
+        for crowd in crowds_of(loops, body_radius_m)
+        if time_apart([loops[k] for k in crowd], body_radius_m) is None
     ]
 
 
@@ -76,12 +76,12 @@ def at_full_speed(loop: Loop) -> Timed:
     return Timed(loop.line, 0.0)
 
 
-def timed_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = ASIDE_TRIES) -> list[Timed] | None:
+def time_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = ASIDE_TRIES) -> list[Timed] | None:
     """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None.
 
     Robots in pockets that step aside for others are timed after these. aside_tries: so many of them are tried.
     """
-    aside = timed_with_one_aside(loops, body_radius_m, aside_tries)
+    aside = time_with_one_aside(loops, body_radius_m, aside_tries)
     if aside is not None:
         return aside
     if somebody_stays_on_a_route(loops, 2 * body_radius_m):
@@ -94,7 +94,7 @@ def timed_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = 
     return None
 
 
-def timed_with_one_aside(loops: Sequence[Loop], body_radius_m: float, tries: int) -> list[Timed] | None:
+def time_with_one_aside(loops: Sequence[Loop], body_radius_m: float, tries: int) -> list[Timed] | None:
     """The same where one of the first loops that can wait steps aside for all others; None where none can.
 
     Among these others one loop alone is tried, for the time would grow as the factorial of their number.
@@ -103,7 +103,7 @@ def timed_with_one_aside(loops: Sequence[Loop], body_radius_m: float, tries: int
     can_wait = ((k, waits_at) for k, waits_at in places if waits_at is not None)
     for k, waits_at in islice(can_wait, tries):
         others = [*loops[:k], *loops[k + 1 :]]
-        timed = timed_apart(others, body_radius_m, 1)
+        timed = time_apart(others, body_radius_m, 1)
         if timed is None:
             return None  # nor are they kept apart with it
         one = round_between(loops[k], waits_at, list(zip(others, timed, strict=True)), 2 * body_radius_m)

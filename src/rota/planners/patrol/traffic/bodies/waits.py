@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.driving.timed_line import started_at, steady
-from rota.planners.patrol.tours.timetable import stretched
+from rota.planners.patrol.driving.timed_line import start_at, steady
+from rota.planners.patrol.tours.timetable import stretch_line
 from rota.planners.patrol.traffic.bodies import kernels
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
-from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sampled
+from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sample
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -57,7 +57,7 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
         tried.add(tuple(order))
         placed: dict[int, Placed] = {}
         for k in order:
-            fits = fitted(loops[k], clock.multiples[k] * grid.bins, grid, list(placed.values()))
+            fits = fit(loops[k], clock.multiples[k] * grid.bins, grid, list(placed.values()))
             if fits is None:
                 order = [k, *(i for i in order if i != k)]
                 break
@@ -67,7 +67,7 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
     return None
 
 
-def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
+def fit(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
     """The loop timed so that its robots touch neither the others nor each other; None when none was found.
 
     At one speed if there is a phase for that, else with waits; in its own direction before the opposite one.
@@ -83,7 +83,7 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
         if timetable is not None:
             start, along_s = timetable
             timed = with_knots(driven, along_s, start, grid.step_s, loop.robots * headway * grid.step_s)
-            return placed_as(timed, loop.robots, headway, grid)
+            return place_as(timed, loop.robots, headway, grid)
     return None
 
 
@@ -92,17 +92,17 @@ def reversed_loop(loop: Loop) -> Loop:
     return replace(loop, line=loop.line.backwards())
 
 
-def placed_as(timed: Timed, robots: int, headway: int, grid: Grid) -> Placed:
+def place_as(timed: Timed, robots: int, headway: int, grid: Grid) -> Placed:
     """The timetable as others meet it."""
-    places = sampled(timed.line, robots * headway)
+    places = sample(timed.line, robots * headway)
     shift = round(timed.offset_s / grid.step_s)
     return Placed(cKDTree(np.roll(places, -shift, axis=0)), headway, timed)
 
 
 def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
     """The loop stretched to its headway, at the phase with most room; None when there is none."""
-    line = stretched(loop.line, loop.robots * headway * grid.step_s)
-    tree = cKDTree(sampled(line, loop.robots * headway))
+    line = stretch_line(loop.line, loop.robots * headway * grid.step_s)
+    tree = cKDTree(sample(line, loop.robots * headway))
     if not follows_itself(tree, loop.robots, grid.apart_m):
         return None
     free = np.ones(headway, dtype=bool)
@@ -120,7 +120,7 @@ def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed])
     if not free.any():
         return None
     timed = Timed(line, (roomy_offsets(free) if others else [0])[-1] * grid.step_s)
-    return placed_as(timed, loop.robots, headway, grid)
+    return place_as(timed, loop.robots, headway, grid)
 
 
 def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> tuple[int, Floats] | None:
@@ -138,7 +138,7 @@ def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Pla
     whole = steps * loop.robots
     along_s = np.arange(whole) * (loop.natural_s / whole)
     places = loop.line.at(along_s)
-    blocked = blocked_by(cKDTree(places), headway, grid.apart_m, others)
+    blocked = blocks_by_others(cKDTree(places), headway, grid.apart_m, others)
     if blocked.all(axis=1).any():
         return None  # somebody is always there
     for base in bases(blocked, loop.robots):
@@ -153,7 +153,7 @@ def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Pla
     return None
 
 
-def blocked_by(tree: cKDTree, headway: int, apart_m: float, others: Sequence[Placed]) -> Bytes:
+def blocks_by_others(tree: cKDTree, headway: int, apart_m: float, others: Sequence[Placed]) -> Bytes:
     """Where along the loop (places) at which time of its headway (columns) one of the others is near."""
     blocked = np.zeros((tree.n, headway), dtype=np.uint8)
     for other in others:
@@ -257,7 +257,7 @@ def several_robots(
 def with_knots(loop: Loop, along_s: Floats, start: int, step_s: float, duration_s: float) -> Timed:
     """The timetable of a round that is so far along (n,) the loop at every sample, begun at sample ``start``."""
     first_s = along_s[0] % loop.natural_s
-    begun = started_at(loop.line, first_s)
+    begun = start_at(loop.line, first_s)
     times_s = begun.times_s
     whole_s = along_s - along_s[0]
     whole_s[-1] = times_s[-1]

@@ -40,19 +40,19 @@ def least_squares(costs: Floats) -> Ints:
 def bottleneck_s(times_s: Floats) -> float | None:
     """The least latest arrival of any assignment that serves all loops; None when there is no assignment."""
     values = np.unique(times_s[np.isfinite(times_s)])
-    if len(served(times_s, np.inf)) < times_s.shape[1] or not len(values):
+    if len(largest_matching(times_s, np.inf)) < times_s.shape[1] or not len(values):
         return None
     low, high = 0, len(values) - 1
     while low < high:
         middle = (low + high) // 2
-        if len(served(times_s, float(values[middle]))) == times_s.shape[1]:
+        if len(largest_matching(times_s, float(values[middle]))) == times_s.shape[1]:
             high = middle
         else:
             low = middle + 1
     return float(values[low])
 
 
-def served(times_s: Floats, limit_s: float) -> Ints:
+def largest_matching(times_s: Floats, limit_s: float) -> Ints:
     """The loops of a largest matching that uses no distance longer than the limit."""
     graph = csr_array((np.isfinite(times_s) & (times_s <= limit_s)).astype(np.int8))
     return np.flatnonzero(maximum_bipartite_matching(graph, perm_type="row") >= 0)

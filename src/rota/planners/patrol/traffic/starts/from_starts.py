@@ -13,14 +13,14 @@ from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.model.mission import Mission, Robot, StartBox, StartPoints
 from rota.model.plan import Plan
-from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
-from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
+from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, largest_matching, least_squares
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.traffic.starts.places import in_turn
-from rota.planners.patrol.traffic.starts.run_ups import joined_in_motion, round_of
-from rota.planners.patrol.verdict import Judge, counted, worst_reached
+from rota.planners.patrol.traffic.starts.run_ups import join_in_motion, round_of
+from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,7 +39,7 @@ class Starts:
     places_m: list[Floats | None]
 
 
-def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
+def lead_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     """The plan's loops, kept in their phases, reached from the mission's starts; its mission becomes ``mission``.
 
     All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Some moments of
@@ -70,8 +70,8 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     led: Plan | None = None
     while tried:
         shift, who, earliest = tried.pop(0)
-        begun = [begun_at(round_, entries.shifts_s[shift]) for round_ in rounds]
-        begun, later_s, run_ups = joined_in_motion(begun, starts.robots[0], paths_by_body)
+        begun = [begin_later(round_, entries.shifts_s[shift]) for round_ in rounds]
+        begun, later_s, run_ups = join_in_motion(begun, starts.robots[0], paths_by_body)
         approaches, who = timed_approaches(starts, begun, run_ups, who, paths_by_body, anew=earliest)
         leaves_s = departures_s(approaches, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
@@ -136,8 +136,8 @@ def starts_of(mission: Mission, rounds: Sequence[TimedLine], paths_by_body: Path
         points = fleet.start.points_m
         if len(points) < len(rounds):
             raise NoPlanFound(
-                f"the plan needs {counted(len(rounds))}, but fleet.start has only {len(points)} of the points to start"
-                " from: give more points, or a box",
+                f"the plan needs {robots_in_words(len(rounds))}, but fleet.start has only {len(points)} of the points"
+                " to start from: give more points, or a box",
                 best=plan,
             )
         return Starts(
@@ -147,13 +147,13 @@ def starts_of(mission: Mission, rounds: Sequence[TimedLine], paths_by_body: Path
     places: list[Floats | None] = [None if robot.start is None else np.array(robot.start) for robot in robots]
     if isinstance(fleet.start, StartBox):
         waiting = [k for k, place in enumerate(places) if place is None]
-        in_box = boxed(fleet.start, robots, places, rounds, paths_by_body, plan)
+        in_box = places_in_box(fleet.start, robots, places, rounds, paths_by_body, plan)
         for k, place in zip(waiting, in_box, strict=True):
             places[k] = place
     return Starts(robots=robots, places_m=places)
 
 
-def boxed(
+def places_in_box(
     box: StartBox,
     robots: list[Robot],
     places: list[Floats | None],
@@ -190,8 +190,8 @@ def no_room(box: StartBox, room: int, where: str, needed: int) -> str:
     """That a box is too small for the robots that start in it."""
     (x0, y0), (x1, y1) = box.low_m, box.high_m
     return (
-        f"fleet.start.box: [[{x0:.6g}, {y0:.6g}], [{x1:.6g}, {y1:.6g}]] has room for {counted(room)} {where}, where"
-        f" {needed} {'is' if needed == 1 else 'are'} needed; give a larger box"
+        f"fleet.start.box: [[{x0:.6g}, {y0:.6g}], [{x1:.6g}, {y1:.6g}]] has room for {robots_in_words(room)} {where},"
+        f" where {needed} {'is' if needed == 1 else 'are'} needed; give a larger box"
     )
 
 
@@ -213,7 +213,7 @@ def require_room(mission: Mission) -> None:
 def require_reachable(starts: Starts, rounds: Sequence[TimedLine], times_s: Floats, plan: Plan) -> None:
     """NoPlanFound, naming a start and a loop between which no path leads, unless every loop can get a robot."""
     fixed = plan.mission.fleet.robots is not None
-    lacking = np.setdiff1d(np.arange(len(rounds)), served(times_s, np.inf))
+    lacking = np.setdiff1d(np.arange(len(rounds)), largest_matching(times_s, np.inf))
     if not len(lacking) and (not fixed or len(starts.robots) == len(rounds)):
         return
     if not len(lacking):
@@ -255,7 +255,7 @@ def entry_choices(rounds: Sequence[TimedLine], starts: Starts) -> Entries:
         if len(placed) * len(rounds) <= most // 2:
             shifts += [nearest_moment_s(round_, place) for round_ in rounds for place in placed]
         shifts += [float(s) for s in np.linspace(0, longest_s, most - len(shifts) + 1)[1:-1]]
-    places = [[begun_at(round_, shift).places_m[0] for round_ in rounds] for shift in shifts]
+    places = [[begin_later(round_, shift).places_m[0] for round_ in rounds] for shift in shifts]
     return Entries(shifts_s=shifts, places_m=np.array(places))
 
 
@@ -271,9 +271,9 @@ def nearest_moment_s(round_: TimedLine, place_m: Floats) -> float:
     return float(times_s[k] + share[k] * (times_s[k + 1] - times_s[k]))
 
 
-def begun_at(round_: TimedLine, shift_s: float) -> TimedLine:
+def begin_later(round_: TimedLine, shift_s: float) -> TimedLine:
     """The round begun so much later in the common timetable."""
-    return round_ if round_.stays or shift_s == 0 else started_at(round_, shift_s)
+    return round_ if round_.stays or shift_s == 0 else start_at(round_, shift_s)
 
 
 def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody) -> Floats:

@@ -34,7 +34,7 @@ def spread_in_box(
     if not len(places) or robots == 0:
         return np.zeros((0, 2))
     spread = farthest_first(places, barred, robots, apart_m)
-    return spread if len(spread) == robots else packed(places, barred, robots, apart_m)
+    return spread if len(spread) == robots else pack(places, barred, robots, apart_m)
 
 
 def candidates(ground: BaseGeometry, body_radius_m: float) -> Floats:
@@ -77,7 +77,7 @@ def farthest_first(places_m: Floats, barred_m: Floats, robots: int, apart_m: flo
     return places_m[chosen]
 
 
-def packed(places_m: Floats, barred_m: Floats, robots: int, apart_m: float) -> Floats:
+def pack(places_m: Floats, barred_m: Floats, robots: int, apart_m: float) -> Floats:
     """Places (n, 2), in their order each one that is apart from all before."""
     chosen: list[Floats] = []
     others = [*barred_m]

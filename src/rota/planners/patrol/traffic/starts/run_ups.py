@@ -11,7 +11,7 @@ from rota.geometry.kernels import EdgeGrid, free_segments
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.rounded import Rounded
-from rota.planners.patrol.driving.timed_line import TimedLine, started_at, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
 
@@ -42,7 +42,7 @@ def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
     free = free_segments(begins, line.places_m[:-1], grid) & (lengths > 0)
     k = int(np.flatnonzero(free)[0]) if free.any() else int(np.argmin(np.where(lengths > 0, speeds, np.inf)))
     at_s = float(line.times_s[k])
-    return Joining(started_at(line, at_s), at_s, run_ups[k])
+    return Joining(start_at(line, at_s), at_s, run_ups[k])
 
 
 def round_of(trajectory: Trajectory) -> TimedLine:
@@ -55,7 +55,7 @@ def round_of(trajectory: Trajectory) -> TimedLine:
     )
 
 
-def joined_in_motion(
+def join_in_motion(
     begun: Sequence[TimedLine], robot: Robot, paths_by_body: PathsByBody
 ) -> tuple[list[TimedLine], list[float], list[TimedLine]]:
     """The rounds from where robots join them, how much later that is, and how they get up speed; see ``joining``."""
