@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from benchmarks.bounce_maps import LESS_EIGHT, OPEN, cells_on
 from benchmarks.row import Options, Row
 from benchmarks.shell import python
-from rota.planners.bounce.bounce_map import NOWHERE, cycles_and_basins, joint_map, make_team, told_apart
+from rota.planners.bounce.bounce_map import NOWHERE, cycles_and_basins, joint_map, make_team, tell_apart
 
 REPEATS = 9
 LEAST_RATIO, MOST_S, MOST_BYTES = 5.0, 90.0, 4.5e9
@@ -66,7 +66,7 @@ def three_robots() -> None:
     team = make_team(cells_on(OPEN), [3, 3, 3])
     began_s = time.process_time()
     found = cycles_and_basins(joint_map(team, unordered=True))
-    counts, _, basins = told_apart(team, found)
+    counts, _, basins = tell_apart(team, found)
     taken_s = time.process_time() - began_s
     states, cycles = int((counts * basins).sum()), int(counts.sum())
     print(f"{taken_s:.1f} s for {cycles:,} cycles with basins of {states:,} states together")

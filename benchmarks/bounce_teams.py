@@ -19,7 +19,7 @@ from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.group_count import count_groups
-from rota.planners.bounce.limit_cycles import limit_cycles, seen_by_cycles
+from rota.planners.bounce.limit_cycles import cycles_see, limit_cycles
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planning.make_plan import search_plan
 
@@ -42,7 +42,7 @@ def bounce_monitoring(options: Options) -> Iterator[Row]:
 
             def counted(bounce: int = bounce, robots: int = robots) -> int:
                 cycles = limit_cycles(make_team(cells, [bounce] * robots))
-                return count_groups(cycles, seen_by_cycles(cycles, inside, cells.headings))
+                return count_groups(cycles, cycles_see(cycles, inside, cells.headings))
 
             groups = counted()  # compiles
             taken_s = statistics.median(cpu_s(counted) for _ in range(REPEATS))

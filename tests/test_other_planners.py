@@ -47,7 +47,7 @@ class MerryGoRoundSettings(PlannerSettings):
     corners: int = setting(12, "of the circle", least=3)
 
     @classmethod
-    def refused(cls, data):
+    def refusals(cls, data):
         if inner(data, "fleet", "robots") not in (1, None, "fewest"):
             yield ("fleet", "robots"), "only one robot fits on the merry-go-round"
 

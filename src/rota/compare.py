@@ -102,10 +102,10 @@ def compare_methods(
     outcomes = []
     for k, by_method in enumerate(asked):
 
-        def told(fraction: float, doing: str, k: int = k) -> None:
+        def tell_of_method(fraction: float, doing: str, k: int = k) -> None:
             tell((k + fraction) / len(asked), f"{methods[k]}: {doing}")
 
-        outcomes.append(outcome_of(by_method, seed=seed, progress=told, should_stop=stop))
+        outcomes.append(outcome_of(by_method, seed=seed, progress=tell_of_method, should_stop=stop))
     return tuple(outcomes)
 
 
@@ -181,16 +181,16 @@ def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:
 def _row(outcome: MethodOutcome) -> tuple[str, ...]:
     """A method as a row of the table, in the order of ``HEAD``."""
 
-    def told(value: float | None, form: str) -> str:
+    def value_in_words(value: float | None, form: str) -> str:
         return "-" if value is None else "never" if value == math.inf else format(value, form)
 
     return (
         outcome.method,
-        told(outcome.robots, "d"),
-        told(outcome.lower_bound_robots, "d"),
-        told(outcome.loops_m, ".1f"),
-        told(outcome.worst_ratio, ".3f"),
-        told(outcome.planning_s, ".1f"),
+        value_in_words(outcome.robots, "d"),
+        value_in_words(outcome.lower_bound_robots, "d"),
+        value_in_words(outcome.loops_m, ".1f"),
+        value_in_words(outcome.worst_ratio, ".3f"),
+        value_in_words(outcome.planning_s, ".1f"),
         outcome.outcome,
     )
 

@@ -257,7 +257,7 @@ def export_of(
 
     kind = FORMATS[export_format(to)]
     if origin is not None:
-        plan = placed_for(plan, origin, to)
+        plan = place_for(plan, origin, to)
     if start_time is not None and not kind.has_clock:
         clocks = ", ".join(name for name, other in FORMATS.items() if other.has_clock)
         raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
@@ -302,7 +302,7 @@ def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:
     return {}
 
 
-def placed_for(plan: Plan, origin: str, to: str) -> Plan:
+def place_for(plan: Plan, origin: str, to: str) -> Plan:
     """The plan with its mission at LAT,LON; RotaError for formats in the mission's own metres."""
     if not FORMATS[to].takes_origin:
         raise RotaError(f"--origin: {origin!r} is not allowed: {to} is in the mission's own metres")

@@ -11,7 +11,7 @@ from shapely import box
 
 from rota import BounceSettings
 from rota.check import Report, check_plan, report_table, report_to_json
-from rota.check.bounce_floor import Floor, crossed, heading_moves
+from rota.check.bounce_floor import Floor, cells_on_line, heading_moves
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.model.plan import Plan, Trajectory
 
@@ -188,15 +188,15 @@ def test_moves_and_what_they_cross() -> None:
     assert heading_moves(8).tolist() == [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]]
     assert heading_moves(16)[1].tolist() == [2, 1]
     # the line from (0, 0) to (2, 1) runs through (1, 0) and (1, 1) alone; a diagonal touches both corners beside it
-    assert sorted(crossed(2, 1)) == [(1, 0), (1, 1)]
-    assert sorted(crossed(1, 1)) == [(0, 1), (1, 0)]
+    assert sorted(cells_on_line(2, 1)) == [(1, 0), (1, 1)]
+    assert sorted(cells_on_line(1, 1)) == [(0, 1), (1, 0)]
     corner = replace(covering().mission, obstacles=(Obstacle(shape=box(1, 1, 2, 2)),))
     for corners, stopped in (("blocked", True), ("pass", False)):
         settings = BounceSettings(cell_m=1.0, task="cover", corners=corners)  # type: ignore[arg-type]
         small = replace(corner, planning=settings, fleet=replace(corner.fleet, robots=(
             replace(corner.fleet.robots[0], body_radius_m=0.0),), body_radius_m=0.0))  # type: ignore[index]  # fmt: skip
         floor = Floor(small, settings)
-        assert floor.blocked(np.array([[0, 1]]), np.array([7]))[0] == stopped
+        assert floor.blocks_moves(np.array([[0, 1]]), np.array([7]))[0] == stopped
 
 
 def test_floors_of_too_many_cells_are_not_called_met() -> None:

@@ -74,13 +74,13 @@ def test_ways_are_near_whatever_their_times(seed: int) -> None:
 def test_a_robot_that_trembles_is_not_compared_with_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     # two robots side by side, each leg of either within reach of all others: work must grow as the legs do
     asked = []
-    query = near._met
+    query = near._near_pairs
 
     def counted(*args: object) -> object:
         asked.append(sum(len(a) for a, _, _ in query(*args)))  # type: ignore[arg-type]
         return query(*args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(near, "_met", counted)
+    monkeypatch.setattr(near, "_near_pairs", counted)
     work = {}
     for n in (500, 2000):
         asked.clear()

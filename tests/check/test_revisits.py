@@ -9,7 +9,7 @@ import pytest
 from shapely import MultiPolygon, Polygon, box
 
 from rota.check.demands import visits
-from rota.check.pieces import Pieces, convex_pieces, joined, quartered
+from rota.check.pieces import Pieces, convex_pieces, join, quarter
 from rota.check.revisits import loop_gap, piece_gaps, point_pieces, sights_of, worst_gaps_s
 from rota.check.routes import classes_in_step, commensurable_classes, routes_of
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
@@ -278,15 +278,15 @@ def test_pieces_tile_the_region_exactly_and_so_do_their_quarters(size: float) ->
     )
     pieces = convex_pieces(region, size, 1e-9)
     assert pieces.areas_m2().sum() == pytest.approx(region.area, rel=1e-12)
-    shapes = [Polygon(pieces.chosen(np.array([k])).corners_m) for k in range(len(pieces))]
+    shapes = [Polygon(pieces.choose(np.array([k])).corners_m) for k in range(len(pieces))]
     assert all(s.convex_hull.area == pytest.approx(s.area, rel=1e-9) for s in shapes)
     assert sum(s.difference(region.buffer(1e-9)).area for s in shapes) < 1e-9
     cuts = np.full((len(pieces), 3), np.nan)
     cuts[::3] = [0.6, 0.8, 0.0]
     cuts[::3, 2] = pieces.centres_m()[::3] @ [0.6, 0.8]
-    parts, parents = quartered(pieces, cuts, 1e-9)
+    parts, parents = quarter(pieces, cuts, 1e-9)
     assert parts.areas_m2().sum() == pytest.approx(region.area, rel=1e-9)
     np.testing.assert_allclose(np.bincount(parents, parts.areas_m2()), pieces.areas_m2(), rtol=1e-6)
-    both = joined([pieces, parts])
+    both = join([pieces, parts])
     assert len(both) == len(pieces) + len(parts)
     assert both.areas_m2().sum() == pytest.approx(2 * region.area, rel=1e-9)

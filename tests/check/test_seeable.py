@@ -206,7 +206,7 @@ def test_points_with_spreads_of_their_own_are_asked_about_no_smaller_ones(monkey
         exact[own] = seeable(m, areas, points[own], spread_m)
         more[own] = seeable(m, areas, points[own], more_m[own][0])
     monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
-    found = SeeableGround(blocks, areas, 1e-9).seen_within(points, spreads_m)
+    found = SeeableGround(blocks, areas, 1e-9).sees_within(points, spreads_m)
     assert (found >= exact).all()
     assert (found <= more).all()
     assert (~found).any()

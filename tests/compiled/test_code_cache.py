@@ -16,7 +16,7 @@ from rota.compiled.code_cache import (
     UNUSED_DAYS,
     cache_folder,
     clean,
-    held,
+    hold,
     read_code,
     write_code,
 )
@@ -67,7 +67,7 @@ def test_a_folder_that_cannot_be_made_keeps_nothing_and_hinders_nobody(tmp_path:
     folder.write_text("a file stands in its place")
     assert not write_code("f-1", b"machine code")
     assert read_code("f-1") is None
-    with held(7):
+    with hold(7):
         assert folder.is_file()
 
 
@@ -93,8 +93,8 @@ def test_beyond_its_size_what_was_not_read_for_longest_goes(folder: Path) -> Non
 @pytest.mark.skipif(sys.platform == "win32", reason="processes do not wait for each other there")
 def test_two_processes_do_not_hold_the_same(folder: Path) -> None:
     program = (
-        "from rota.compiled.code_cache import held\n"
-        "with held(2**62 + 5):\n    print('held', flush=True)\n    input()\nprint('given back', flush=True)\n"
+        "from rota.compiled.code_cache import hold\n"
+        "with hold(2**62 + 5):\n    print('held', flush=True)\n    input()\nprint('given back', flush=True)\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -102,9 +102,9 @@ def test_two_processes_do_not_hold_the_same(folder: Path) -> None:
         assert other.stdin is not None
         assert other.stdout is not None
         assert other.stdout.readline() == "held\n"
-        with held(2**62 + 6):  # another one is free
+        with hold(2**62 + 6):  # another one is free
             assert other.poll() is None
         other.stdin.write("\n")
         other.stdin.flush()
-        with held(2**62 + 5):
+        with hold(2**62 + 5):
             assert other.stdout.readline() == "given back\n"

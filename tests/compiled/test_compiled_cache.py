@@ -13,7 +13,7 @@ from rota.compiled.code_cache import write_code
 from rota.compiled.compiled_cache import PACKAGE, is_compiled
 from rota.compiled.source_stamp import code_prefix, source_stamp
 from rota.planning import first_run
-from rota.planning.first_run import compiled_by_two
+from rota.planning.first_run import compile_by_two
 from rota.planning.planner import planner_named
 
 
@@ -62,7 +62,7 @@ def test_a_first_run_compiles_by_two_processes_and_says_what(monkeypatch: pytest
         first_run, "Popen", lambda command, **_: ran.append(command) or Popen([sys.executable, "-c", ""])
     )
     told: list[tuple[float, str]] = []
-    with compiled_by_two(planner, tell=lambda share, doing: told.append((share, doing)), to_the_end=True):
+    with compile_by_two(planner, tell=lambda share, doing: told.append((share, doing)), to_the_end=True):
         assert done == ["here"]
     assert told == [(0.0, "compiling part")]
     assert ran == [[sys.executable, "-m", "rota.planning.first_run", "patrol"]]

@@ -26,7 +26,7 @@ from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import RotaError
 from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.model.plan import Plan, Trajectory
-from rota.planning.plan_summary import robot_rows, rounded
+from rota.planning.plan_summary import robot_rows, round_off
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
 
@@ -93,7 +93,7 @@ def test_one_line_per_loop_and_one_mark_per_robot(yard: Plan):
 
 
 def test_the_legend_tells_lengths_and_times_as_the_table_does(yard: Plan):
-    rows = {row.robot: (rounded(row.loop_length_m), rounded(row.loop_time_s)) for row in robot_rows(yard)}
+    rows = {row.robot: (round_off(row.loop_length_m), round_off(row.loop_time_s)) for row in robot_rows(yard)}
     for route in routes_of(yard)[:2]:
         label = route_label(yard, route)
         for robot in route.robots:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rota.engines.placing import answer_of, submitted_with
+from rota.engines.placing import answer_of, submit_with
 from rota.errors import RotaError
 
 
@@ -44,19 +44,19 @@ def longer(large: list[int], more: int, *, by: int = 0) -> int:
 def test_threads_that_begin_at_once_send_a_value_once() -> None:
     cluster, large = Cluster(), list(range(1000))
     with ThreadPoolExecutor(8) as pool:
-        jobs = [pool.submit(submitted_with, cluster, large, longer, k, by=2) for k in range(40)]
+        jobs = [pool.submit(submit_with, cluster, large, longer, k, by=2) for k in range(40)]
         assert [job.result().result() for job in jobs] == [1002 + k for k in range(40)]
     assert len(cluster._client.sent) == 1
     other = list(large)  # equal, but another one
-    assert submitted_with(cluster, other, longer, 0).result() == 1000
-    assert submitted_with(cluster, large, longer, 1).result() == 1001
+    assert submit_with(cluster, other, longer, 0).result() == 1000
+    assert submit_with(cluster, large, longer, 1).result() == 1001
     assert len(cluster._client.sent) == 3
 
 
 def test_other_executors_get_the_value_itself() -> None:
     large = [1, 2, 3]
     with ThreadPoolExecutor(1) as pool:
-        assert submitted_with(pool, large, longer, 4, by=1).result() == 8
+        assert submit_with(pool, large, longer, 4, by=1).result() == 8
 
 
 class KilledWorker(Exception):  # noqa: N818

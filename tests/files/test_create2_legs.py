@@ -14,7 +14,7 @@ from shapely import Polygon, box, union_all
 from rota.errors import PlanError
 from rota.files.create2_course import Surroundings, stretches_of
 from rota.files.create2_driven import Driven, touching_legs
-from rota.files.create2_legs import BODY_RADIUS_M, driven, drives_of
+from rota.files.create2_legs import BODY_RADIUS_M, drives_of, motion_of
 from rota.model.mission import Obstacle
 from rota.model.plan import Plan
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -248,7 +248,7 @@ def test_bodies_apart_as_driven_not_only_as_planned() -> None:
     ground = TypedMap(rows=("...", "..."), cell_m=0.5)
     plan = bounced_plan(ground, ((0, 0, 0), (2, 1, 4)), turn=2, speed_m_s=0.3, headings=4)
     drives = drives_of(plan)
-    assert not touching_legs([driven(drive) for drive in drives], 2 * BODY_RADIUS_M)
+    assert not touching_legs([motion_of(drive) for drive in drives], 2 * BODY_RADIUS_M)
     near = [Driven(times_s=[0, 4], places_m=[(0, 0), (4, 0)], legs=[0, 0], loop_s=0)]
     near += [Driven(times_s=[0, 1, 2, 5], places_m=[(2, 1), (2, 1), (2, 0.33), (2, 0.33)], legs=[0, 0, 1, 2], loop_s=0)]
     assert touching_legs(near, 0.34) == {(0, 0), (1, 1), (1, 2)}

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from rota.files.blocks import Block, block_of, made, read_block
+from rota.files.blocks import Block, block_of, make, read_block
 from rota.files.example_mission import example_mission_text
 from rota.files.json_schema import block_schema
 from rota.files.mission_file import mission_schema
 from rota.files.mission_schema import mission_block
 from rota.files.plan_schema import plan_block
 from rota.files.shape_schema import Area
-from rota.model.field_values import as_written
+from rota.model.field_values import in_file_form
 from rota.model.fields import field_of, fields_of, flat_fields_of
 from rota.model.fleet import Abilities, DiscSensor, Fleet, Robot, SquareSensor, StartPoints
 from rota.model.importance import ImportanceMap
@@ -51,9 +51,9 @@ def test_a_field_that_is_declared_is_read_checked_published_and_written() -> Non
         assert (fault.place, fault.message.partition(";")[0]) == (("braking_m_s2",), "-2 is not allowed")
         values, faults = read_block(block, {**document, "braking_m_s2": 2})
         assert not faults
-        fleet = made(BrakingFleet, **values)
-        assert (fleet.braking_m_s2, as_written(fleet)["braking_m_s2"]) == (2, 2.0)
-        assert "braking_m_s2" not in as_written(made(BrakingFleet, **values | {"braking_m_s2": None}))
+        fleet = make(BrakingFleet, **values)
+        assert (fleet.braking_m_s2, in_file_form(fleet)["braking_m_s2"]) == (2, 2.0)
+        assert "braking_m_s2" not in in_file_form(make(BrakingFleet, **values | {"braking_m_s2": None}))
 
 
 def fleet_block(form: str) -> Block:

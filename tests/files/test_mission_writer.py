@@ -157,7 +157,7 @@ def blocks(draw: Any, kind: type[Any], **fixed: Any) -> Any:
         drawn = blocks(item.block) if item.kind == "block" else values_of(item)
         if item.default is REQUIRED or draw(st.booleans()):
             told[item.name] = None if item.optional and draw(st.booleans()) else draw(drawn)
-    for where, _ in [*kind.unused(told)]:
+    for where, _ in [*kind.useless_values(told)]:
         told.pop(where[0], None)
     try:
         return kind(**told)

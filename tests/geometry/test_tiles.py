@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from rota.geometry.tiles import clipped, few_cornered_boxes, grown_box
+from rota.geometry.tiles import clip, few_cornered_boxes, grown_box
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -29,5 +29,5 @@ def test_few_corners_need_one_box() -> None:
 
 def test_a_part_of_a_shape_is_polygons() -> None:
     shape = shapely.union_all([shapely.box(0, 0, 4, 4), shapely.box(6, 0, 8, 2)])
-    assert clipped(shape, (2.0, 0.0, 6.0, 9.0)).equals(shapely.box(2, 0, 4, 4))  # the line at x = 6 is left out
-    assert clipped(shape, (10.0, 0.0, 11.0, 1.0)).is_empty
+    assert clip(shape, (2.0, 0.0, 6.0, 9.0)).equals(shapely.box(2, 0, 4, 4))  # the line at x = 6 is left out
+    assert clip(shape, (10.0, 0.0, 11.0, 1.0)).is_empty

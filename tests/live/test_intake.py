@@ -49,9 +49,9 @@ def test_a_report_that_holds_becomes_an_event() -> None:
 def test_what_does_not_hold_is_dropped_with_its_fault(changes: dict[str, Any], fault: str) -> None:
     taker = intake()
     assert taker.take(report(**changes), 5.25) is None
-    (dropped,) = taker.dropped()
+    (dropped,) = taker.take_dropped()
     assert (dropped.fault, dropped.messages) == (fault, 1)
-    assert taker.dropped() == []
+    assert taker.take_dropped() == []
     assert taker.take(report(), 5.25) is not None
 
 
@@ -61,7 +61,7 @@ def test_reports_out_of_order_and_twice_are_dropped() -> None:
     assert taker.take(report(), 5.1) is None
     assert taker.take(report(time_s=4.0), 5.2) is None
     assert taker.take(report(time_s=4.0, robot="a"), 5.2) is not None
-    assert [(each.fault, each.messages) for each in taker.dropped()] == [("out of order", 2)]
+    assert [(each.fault, each.messages) for each in taker.take_dropped()] == [("out of order", 2)]
 
 
 def test_a_hundred_thousand_malformed_messages_do_no_harm_and_take_no_room() -> None:
@@ -74,7 +74,7 @@ def test_a_hundred_thousand_malformed_messages_do_no_harm_and_take_no_room() -> 
         for k in rounds:
             for each in bad:
                 assert taker.take(each, 5.0) is None
-            for dropped in taker.dropped():
+            for dropped in taker.take_dropped():
                 assert isinstance(dropped, Dropped)
                 assert dropped.example.isprintable()
                 watch.take(dropped)

@@ -11,7 +11,14 @@ from tests import driven_with_mass
 
 from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
 from rota.model.plan import Plan, Trajectory
-from rota.planning.plan_summary import bound_sentence, robot_rows, robots_sentence, robots_table, rounded, zones_served
+from rota.planning.plan_summary import (
+    bound_sentence,
+    robot_rows,
+    robots_sentence,
+    robots_table,
+    round_off,
+    zones_served,
+)
 
 MISSION = Mission(
     name="yard",
@@ -148,7 +155,7 @@ def test_the_sentence_on_robots(robots: int, bound: int | None, sentence: str) -
     ],
 )
 def test_lengths_and_times_have_one_decimal_or_two_digits(value: float, told: str) -> None:
-    assert rounded(value) == told
+    assert round_off(value) == told
 
 
 def test_the_table_is_aligned_and_never_wrapped() -> None:

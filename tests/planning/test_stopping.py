@@ -79,11 +79,11 @@ def test_what_work_gives_or_raises_is_given_or_raised() -> None:
     def fails() -> int:
         raise KeyError("gate")
 
-    assert OwnThread(lambda: threading.current_thread()).awaited() is not threading.current_thread()
+    assert OwnThread(lambda: threading.current_thread()).do_work() is not threading.current_thread()
     with pytest.raises(KeyError, match="gate"):
-        OwnThread(fails).awaited()
+        OwnThread(fails).do_work()
     with np.errstate(divide="raise"), pytest.raises(FloatingPointError):
-        OwnThread(lambda: np.ones(1) / 0).awaited()
+        OwnThread(lambda: np.ones(1) / 0).do_work()
 
 
 def test_who_is_interrupted_while_waiting_leaves_the_work() -> None:

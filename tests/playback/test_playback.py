@@ -20,7 +20,7 @@ from rota.model.mission import Obstacle
 from rota.model.plan import Plan
 from rota.playback import page
 from rota.playback.cells import NO_CELL
-from rota.playback.container import packed, unpacked
+from rota.playback.container import pack, unpack
 from rota.playback.page import page_text
 from rota.playback.playback import playback_of
 
@@ -29,7 +29,7 @@ STEP_S = 0.01
 
 @pytest.mark.parametrize("plan", [yard(), spreading()], ids=["yard", "spreading"])
 def test_ages_are_those_of_looking_all_the_time(plan: Plan) -> None:
-    header, arrays = unpacked(playback_of(plan, check_plan(plan), cells=300))
+    header, arrays = unpack(playback_of(plan, check_plan(plan), cells=300))
     points = arrays["cell_index"] != NO_CELL
     places_m = centres_m(header, arrays["cell_index"][points])
     assert len(places_m) > 100
@@ -46,7 +46,7 @@ def test_ages_are_those_of_looking_all_the_time(plan: Plan) -> None:
 def test_robots_with_motion_are_played_where_they_are() -> None:
     plan = with_mass()
     moving = plan.trajectories[0]
-    header, arrays = unpacked(playback_of(plan, check_plan(plan), cells=300))
+    header, arrays = unpack(playback_of(plan, check_plan(plan), cells=300))
     first, end = arrays["corner_offsets"][:2]
     times_s = np.linspace(0, moving.times_s[-1], 3000)
     played = [
@@ -62,7 +62,7 @@ def test_robots_with_motion_are_played_where_they_are() -> None:
 def test_worst_gaps_are_the_checks() -> None:
     plan = yard()
     report = check_plan(plan)
-    header, arrays = unpacked(playback_of(plan, report, cells=2000))
+    header, arrays = unpack(playback_of(plan, report, cells=2000))
     points = arrays["cell_index"] != NO_CELL
     periods = np.array([demand["period_s"] for demand in header["demands"]])[arrays["cell_demand"]]
     gaps_s = worst_gaps_s(plan, centres_m(header, arrays["cell_index"][points])) / periods[points]
@@ -78,7 +78,7 @@ def test_worst_gaps_are_the_checks() -> None:
 def test_a_sight_ends_where_the_worst_gap_begins() -> None:
     # the largest age over two rounds of all loops is the worst gap
     plan = yard()
-    header, arrays = unpacked(playback_of(plan, check_plan(plan), cells=60))
+    header, arrays = unpack(playback_of(plan, check_plan(plan), cells=60))
     periods = np.array([demand["period_s"] for demand in header["demands"]])[arrays["cell_demand"]]
     clock, oldest = header["clock"], np.zeros(len(periods))
     for time_s in np.arange(clock["end_s"] - 253.0, clock["end_s"], 0.05):  # 253 = 11 * 23
@@ -95,20 +95,20 @@ def test_what_nobody_can_see_is_excluded_and_nothing_is_asked_where_no_period_is
     pit = Obstacle(shape=box(76, 40, 90, 54).difference(box(80, 42, 81.6, 52)))  # no body fits in there
     fleet = replace(plan.mission.fleet, body_radius_m=1.0)
     walled = replace(plan, mission=replace(plan.mission, obstacles=(*plan.mission.obstacles, pit), fleet=fleet))
-    header, arrays = unpacked(playback_of(walled, check_plan(walled), 20_000))
+    header, arrays = unpack(playback_of(walled, check_plan(walled), 20_000))
     hidden_m = centres_m(header, arrays["excluded_index"])
     inside = ((hidden_m > [80, 42]) & (hidden_m < [81.6, 52])).all(axis=1)
     all_m = centres_m(header, np.arange(header["grid"]["columns"] * header["grid"]["rows"]))
     assert inside.sum() == ((all_m > [80, 42]) & (all_m < [81.6, 52])).all(axis=1).sum() > 20
     assert not set(arrays["excluded_index"].tolist()) & set(arrays["cell_index"].tolist())
     unasked = replace(plan, mission=replace(plan.mission, period_s=None))
-    header, arrays = unpacked(playback_of(unasked, check_plan(unasked), 2000))
+    header, arrays = unpack(playback_of(unasked, check_plan(unasked), 2000))
     assert {header["demands"][k]["name"] for k in arrays["cell_demand"]} == {zone.name for zone in plan.mission.zones}
 
 
 def test_the_share_in_range_over_time() -> None:
     plan = spreading()
-    header, arrays = unpacked(playback_of(plan, check_plan(plan), cells=20_000))
+    header, arrays = unpack(playback_of(plan, check_plan(plan), cells=20_000))
     times_s, shares = arrays["coverage_time_s"], arrays["coverage_share"]
     assert times_s[0] == 0
     assert times_s[-1] == 10
@@ -138,12 +138,12 @@ def packed_bytes(text: str) -> int:
 
 def test_a_file_of_a_playback_is_read_as_it_was_written() -> None:
     arrays = {"a": np.array([1.5, np.inf]), "b": np.arange(3, dtype=np.uint16), "none": np.empty(0, np.float32)}
-    data = packed({"name": "Löschplatz </script>"}, arrays)
-    header, again = unpacked(data)
+    data = pack({"name": "Löschplatz </script>"}, arrays)
+    header, again = unpack(data)
     assert header["name"] == "Löschplatz </script>"
     assert all((again[name] == arrays[name]).all() and again[name].dtype == arrays[name].dtype for name in arrays)
     begin = len(data) - sum(-(-array.nbytes // 8) * 8 for array in arrays.values())
     assert begin % 8 == 0
     for wrong in (b"", b"ROTAPLAX" + data[8:], data[:8] + b"\x02" + data[9:]):
         with pytest.raises(ValueError, match="playback"):
-            unpacked(wrong)
+            unpack(wrong)

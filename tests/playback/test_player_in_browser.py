@@ -20,7 +20,7 @@ from tests.playback.reference import ages_s
 
 from rota import Plan, check_plan
 from rota.model.mission import MovingObstacle
-from rota.playback.container import unpacked
+from rota.playback.container import unpack
 from rota.playback.page import page_text
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def opened(offline_page: Page, tmp_path: Path) -> Open:
         offline_page.goto(file.as_uri())
         until(offline_page, "Boolean(window.rotaPlayer)")
         packed = offline_page.locator("#playback").text_content()
-        return unpacked(gzip.decompress(b64decode(packed or "")))
+        return unpack(gzip.decompress(b64decode(packed or "")))
 
     return open_page
 

@@ -7,7 +7,7 @@ from typing import Any
 from rota.files.mission_changes import changes
 from rota.files.mission_text import mission_text
 from rota.files.yaml_text import parse_text
-from rota.web.tasks.inlined import inlined
+from rota.web.tasks.inlined import inline
 from rota.web.tasks.sources import source_of
 
 MISSION = b"""\
@@ -24,7 +24,7 @@ planner: swarm
 
 def test_importance_and_its_map_are_opened_and_written() -> None:
     context: Any = None  # nothing is looked up
-    opened = inlined(context, source_of({"m.yaml": MISSION, "hot.png": b"picture"}))
+    opened = inline(context, source_of({"m.yaml": MISSION, "hot.png": b"picture"}))
     assert opened.warnings == []
     assert opened.files == {"hot.png": b"picture"}
     again = parse_text(mission_text(opened.document), "m.yaml", "a mission").value

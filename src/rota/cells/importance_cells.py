@@ -38,7 +38,7 @@ class ImportanceCells:
     low_m: tuple[float, float]
     side_m: float
 
-    def scaled(self, factor: float) -> ImportanceCells:
+    def scale(self, factor: float) -> ImportanceCells:
         """The same ground, worth so many times as much."""
         return replace(self, values=factor * self.values)
 

@@ -52,7 +52,7 @@ class _Motion(NamedTuple):
     noise_m_s: Floats
     points: Ints
 
-    def joined(self, other: _Motion) -> _Motion:
+    def join(self, other: _Motion) -> _Motion:
         """These legs and then the other ones."""
         return _Motion(*(np.concatenate(both) for both in zip(self, other, strict=True)))
 
@@ -104,8 +104,8 @@ def _motion_of(trajectory: Trajectory) -> _Motion:
     still = np.zeros((1, places.shape[1]))
     for_ever = _Motion(still, still, still, np.full(1, math.inf), np.zeros(1), np.full(1, count))
     if not loops or first > 0:
-        motion = for_ever.joined(motion)
-    return motion if loops else motion.joined(for_ever)
+        motion = for_ever.join(motion)
+    return motion if loops else motion.join(for_ever)
 
 
 def _without_cuts(motion: _Motion, at: int | None = None) -> _Motion:
@@ -138,7 +138,7 @@ def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violatio
         return []
     found = np.abs(trajectory.accelerations_m_s2)
     return [
-        _told("acceleration", trajectory, m, float(found[m]), most_m_s2, "m/s2")
+        _violation("acceleration", trajectory, m, float(found[m]), most_m_s2, "m/s2")
         for m in np.flatnonzero(found > most_m_s2 * (1 + ACCELERATION_TOLERANCE))[:MOST_PER_ROBOT]
     ]
 
@@ -170,7 +170,7 @@ def _vertex_violations(
     for j in np.flatnonzero(whole & (size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
         kind: ViolationKind = "corner acceleration" if turns[j] else "acceleration"
         k = int(motion.points[j + 1])
-        violations.setdefault(k, _told(kind, trajectory, k, float(asked[j]), float(limit[j]), "m/s2"))
+        violations.setdefault(k, _violation(kind, trajectory, k, float(asked[j]), float(limit[j]), "m/s2"))
     return list(violations.values())[:MOST_PER_ROBOT]
 
 
@@ -233,7 +233,7 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float) 
     violations: dict[int, Violation] = {}
     for j in np.flatnonzero((jerk > most_m_s3 * (1 + ACCELERATION_TOLERANCE)) & whole[1:] & whole[:-1]):
         k = int(motion.points[first[j + 1]])
-        violations.setdefault(k, _told("jerk", trajectory, k, float(jerk[j]), most_m_s3, "m/s3"))
+        violations.setdefault(k, _violation("jerk", trajectory, k, float(jerk[j]), most_m_s3, "m/s3"))
     return list(violations.values())[:MOST_PER_ROBOT]
 
 
@@ -242,6 +242,6 @@ def _sizes(vectors: Floats) -> Floats:
     return np.asarray(np.sqrt((vectors**2).sum(axis=1)))
 
 
-def _told(kind: ViolationKind, trajectory: Trajectory, k: int, value: float, most: float, unit: str) -> Violation:
+def _violation(kind: ViolationKind, trajectory: Trajectory, k: int, value: float, most: float, unit: str) -> Violation:
     """The violation at point k of the trajectory."""
     return violation(kind, trajectory.robot, trajectory.positions_m[k, :2], trajectory.times_s[k], value, most, unit)

@@ -19,7 +19,7 @@ def nearest_shares(gap_m: Floats, drift_m: Floats, bow_m: Floats) -> Floats:
     """
     drift2 = (drift_m**2).sum(axis=1)
     shares = np.clip(-(gap_m * drift_m).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, 1.0)
-    bent = _bent(bow_m)
+    bent = _gaps_with_bow(bow_m)
     if len(bent):
         shares[bent] = _nearest_of_bent(gap_m[bent], drift_m[bent], bow_m[bent])
     return np.asarray(shares)
@@ -28,13 +28,13 @@ def nearest_shares(gap_m: Floats, drift_m: Floats, bow_m: Floats) -> Floats:
 def gaps_at(gap_m: Floats, drift_m: Floats, bow_m: Floats, shares: Floats) -> Floats:
     """The gaps (n, d) at shares (n,) of the time; see ``nearest_shares``."""
     gaps = gap_m + shares[:, None] * drift_m
-    bent = _bent(bow_m)
+    bent = _gaps_with_bow(bow_m)
     if len(bent):
         gaps[bent] += (shares * (shares - 1))[bent, None] * bow_m[bent]
     return np.asarray(gaps)
 
 
-def _bent(bow_m: Floats) -> NDArray[np.int64]:
+def _gaps_with_bow(bow_m: Floats) -> NDArray[np.int64]:
     """Which gaps have a bow; most plans have none at all, which is soon seen."""
     return np.flatnonzero(bow_m.any(axis=1)) if bow_m.any() else np.zeros(0, np.int64)
 

@@ -48,7 +48,7 @@ class Around:
         leg = int(np.searchsorted(times, time_s + SAME_TIME * (1 + time_s), side="right")) - 1
         if leg >= len(times) - 1:
             cells, _ = self._floor.cells_at(other.positions_m[-1:, :2])
-            return [(cells[0], cells[0]), *self._wanted(other, cells[0], len(times) - 1)]
+            return [(cells[0], cells[0]), *self._wanted_moves(other, cells[0], len(times) - 1)]
         share = np.clip((time_s - times[leg]) / (times[leg + 1] - times[leg]), 0.0, 1.0)
         share += other.bends[leg] * share * (share - 1)
         way = other.positions_m[leg + 1, :2] - other.positions_m[leg, :2]
@@ -58,9 +58,9 @@ class Around:
         direction = int(np.argmax(self._floor.moves @ way / np.hypot(*self._floor.moves.T)))
         if way.any():
             return [(cells[0], cells[0] + self._floor.moves[direction])]
-        return [(cells[0], cells[0]), *self._wanted(other, cells[0], leg)]
+        return [(cells[0], cells[0]), *self._wanted_moves(other, cells[0], leg)]
 
-    def _wanted(self, other: Trajectory, cell: Ints, leg: int) -> list[tuple[Ints, Ints]]:
+    def _wanted_moves(self, other: Trajectory, cell: Ints, leg: int) -> list[tuple[Ints, Ints]]:
         """The move along the heading that a standing robot has, or had when it last moved."""
         moves = self._floor.moves
         if other.headings_rad is not None:

@@ -72,7 +72,7 @@ class Floor:
         cells = np.stack(np.meshgrid(*(np.arange(n) for n in self.shape), indexing="ij"), axis=-1).reshape(-1, 2)
         return np.asarray(cells[self.free(cells)])
 
-    def blocked(self, cells: Ints, headings: Ints) -> Flags:
+    def blocks_moves(self, cells: Ints, headings: Ints) -> Flags:
         """Whether a body in each of the cells (n, 2) cannot make the move of its heading (n,): something is in the way.
 
         The cell where it ends, or (unless corners may be passed) one that the move crosses or whose corner it touches,
@@ -82,7 +82,7 @@ class Floor:
         for heading in np.unique(headings):
             members = np.flatnonzero(headings == heading)
             move = self.moves[heading]
-            needed = [move] if self._pass_corners else [move, *crossed(int(move[0]), int(move[1]))]
+            needed = [move] if self._pass_corners else [move, *cells_on_line(int(move[0]), int(move[1]))]
             for offset in needed:
                 stopped[members] |= ~self.free(cells[members] + offset)
             left = members[~stopped[members]]
@@ -122,7 +122,7 @@ def heading_moves(headings: int) -> Ints:
         reach += 1
 
 
-def crossed(dx: int, dy: int) -> list[tuple[int, int]]:
+def cells_on_line(dx: int, dy: int) -> list[tuple[int, int]]:
     """The cells whose closed square meets the line from the middle of (0, 0) to that of (dx, dy), without both ends."""
     cells = []
     for x in range(min(0, dx), max(0, dx) + 1):

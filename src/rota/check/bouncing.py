@@ -66,7 +66,7 @@ def bounce_violations(plan: Plan) -> Bounced:
             continue
         judge = _Robot(plan, floor, rules, trajectory, round(angles[index] * rules.headings / 360))
         violations += judge.violations()[:MOST_PER_ROBOT]
-        entered.append(judge.entered())
+        entered.append(judge.cells_entered())
         by_clock += judge.by_clock
     if not rules.covers:
         return Bounced(violations=tuple(violations))
@@ -124,7 +124,7 @@ class _Robot:
         self._found: list[Violation] = []
         self._walls: dict[tuple[int, int, int], bool] = {}
 
-    def entered(self) -> Ints:
+    def cells_entered(self) -> Ints:
         """(n, 2) cells that the robot is in, at the beginning and after each move."""
         return np.vstack([self._cells[self._centred], *self._passed])
 
@@ -166,7 +166,7 @@ class _Robot:
         self._passed.append(begins + self._floor.moves[headings[leg]])
         states, inverse = np.unique(np.column_stack([begins, headings[leg]]), axis=0, return_inverse=True)
         blocked = (
-            self._floor.blocked(states[:, :2], states[:, 2])[inverse.ravel()] if len(states) else np.zeros(0, bool)
+            self._floor.blocks_moves(states[:, :2], states[:, 2])[inverse.ravel()] if len(states) else np.zeros(0, bool)
         )
         for k in np.unique(leg[blocked])[:MOST_PER_ROBOT]:
             self._found.append(
@@ -193,7 +193,7 @@ class _Robot:
         order = list(range(len(headings)))
         start = self._trajectory.loop_index
         looping = self._trajectory.loop_duration_s > 0
-        faced = self._faced(headings)
+        faced = self._nearest_headings(headings)
         stand: list[int] = []
         before = -1  # the heading of the last move
         turns = 0
@@ -210,7 +210,7 @@ class _Robot:
         if not self._covers and not (looping and moving):
             self._judge_rest(before, faced)
 
-    def _faced(self, headings: Ints) -> Ints | None:
+    def _nearest_headings(self, headings: Ints) -> Ints | None:
         """The heading nearest to what the file gives at each timed point; None: it gives none."""
         if self._trajectory.headings_rad is None:
             return None
@@ -249,7 +249,7 @@ class _Robot:
             free = 0
             for j in range(bounces or 0):
                 time_s = begin_s if faced is not None else begin_s + step_s * j / (bounces or 1)
-                if not self._stopped(leg, (heading + j * self._bounce) % count, time_s):
+                if not self._is_stopped(leg, (heading + j * self._bounce) % count, time_s):
                     free += 1
                     if not self._covers:
                         self._note_turn("turns where nothing is in the way", leg, self._bounce * 360 / count)
@@ -268,7 +268,7 @@ class _Robot:
             further: dict[int, int] = {}
             for at, clock in best.items():
                 ways = [((at + 1) % count, clock + 1), ((at - 1) % count, clock + 1)]
-                if self._stopped(leg, at, time_s):
+                if self._is_stopped(leg, at, time_s):
                     ways.append(((at + self._bounce) % count, clock))
                 for to, turns in ways:
                     if to not in best:
@@ -284,12 +284,12 @@ class _Robot:
                 return n
         return None
 
-    def _stopped(self, leg: int, heading: int, time_s: float) -> bool:
+    def _is_stopped(self, leg: int, heading: int, time_s: float) -> bool:
         """Whether something is in the way of the robot that stands where the leg begins."""
         cell = self._cells[leg]
         key = (int(cell[0]), int(cell[1]), heading)
         if key not in self._walls:
-            self._walls[key] = bool(self._floor.blocked(cell[None], np.array([heading]))[0])
+            self._walls[key] = bool(self._floor.blocks_moves(cell[None], np.array([heading]))[0])
         if self._walls[key]:
             return True
         if not self._covers and (time_s >= self._trajectory.loop_start_s or self._rules.contact_free == "trajectory"):
@@ -309,7 +309,7 @@ class _Robot:
                 self._note_turn("turns by another angle", k, (after - heading) % count * 360 / count)
         cell = np.tile(self._cells[-1], (count, 1))
         for first in known:
-            if self._floor.blocked(cell, (first + self._bounce * np.arange(count)) % count).all():
+            if self._floor.blocks_moves(cell, (first + self._bounce * np.arange(count)) % count).all():
                 return
         self._note_turn("rests where nothing is in the way", len(self._cells) - 1, 0.0)
 

@@ -144,12 +144,12 @@ def _bent_shifts(a: _Bent, b: _Bent, apart_m: Floats) -> tuple[Floats, Floats]:
         np.fmin.at(found_low, pair[told], np.where(done, low, sure_low)[told])
         np.fmax.at(found_high, pair[told], np.where(done, high, sure_high)[told])
         left = ~done & ((low < found_low[pair]) | (high > found_high[pair]))
-        pair, parts = _halved(pair[left], parts[:, left], (off_a_m >= off_b_m)[left])
+        pair, parts = _halve(pair[left], parts[:, left], (off_a_m >= off_b_m)[left])
     touch = found_low <= found_high
     return np.where(touch, found_low, np.nan), np.where(touch, found_high, np.nan)
 
 
-def _halved(pair: Ints, parts: Floats, of_a: NDArray[np.bool_]) -> tuple[Ints, Floats]:
+def _halve(pair: Ints, parts: Floats, of_a: NDArray[np.bool_]) -> tuple[Ints, Floats]:
     """Parts (4, n) of two legs' times, from, to and from, to, with the one of the first leg or of the other halved."""
     first, second = parts.copy(), parts.copy()
     for leg, chosen in ((0, of_a), (2, ~of_a)):

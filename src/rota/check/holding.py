@@ -64,7 +64,7 @@ def holding_of(plan: Plan) -> Holding | None:
         ground_m2=ground.area,
         in_range_m2=reached.area,
         seen_m2=seen.area,
-        unreached=tuple(_unreached(plan, mission)),
+        unreached=tuple(_parts_out_of_reach(plan, mission)),
         importance_in_range=importance_in_range(mission, ground, reached),
     )
 
@@ -97,7 +97,7 @@ def shadows(place_m: Floats, walls: Floats, reach_m: float) -> Any:
     return shapely.union_all(shapely.polygons(np.concatenate([ends, back], axis=1) + place_m))
 
 
-def _unreached(plan: Plan, mission: Mission) -> list[tuple[float, float, float]]:
+def _parts_out_of_reach(plan: Plan, mission: Mission) -> list[tuple[float, float, float]]:
     """The parts of the ground that no body covers from anywhere that it can come to: x, y of a place in it, area."""
     robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
     if not robots:

@@ -51,8 +51,8 @@ class Verdicts:
 
     def places(self) -> dict[str, Any]:
         """The fields of a report that say what is unmet, at most MOST_UNMET_POINTS of each kind."""
-        unmet, unmet_demand = _capped(self.unmet_m, self.unmet_demand)
-        shown, shown_demand = _capped(self.shown_m, self.shown_demand)
+        unmet, unmet_demand = _cap(self.unmet_m, self.unmet_demand)
+        shown, shown_demand = _cap(self.shown_m, self.shown_demand)
         return {
             "unmet_points_m": unmet,
             "unmet_demand": unmet_demand,
@@ -285,7 +285,7 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
     return violations
 
 
-def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
+def _cap(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
     """All places and their demands, or an even choice of them when there are too many."""
     points = np.vstack([np.empty((0, 2)), *places_m])
     demand = np.concatenate([np.empty(0, np.int64), *demands])

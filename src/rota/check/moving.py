@@ -31,7 +31,7 @@ def moving_violations(plan: Plan) -> list[Violation]:
     for trajectory in plan:
         body_m = plan.mission.fleet.robot(trajectory.robot).body_radius_m
         for k, obstacle in enumerate(plan.mission.moving_obstacles):
-            followed = _followed(trajectory, obstacle.times_s[-1])
+            followed = _follow(trajectory, obstacle.times_s[-1])
             closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(followed, obstacle)
             distance, time_s, place = closest
             if distance < body_m + obstacle.radius_m - TOUCH_M:
@@ -69,7 +69,7 @@ def _closest(way: _Followed, obstacle: MovingObstacle) -> tuple[float, float, tu
     """Least distance of the centres, when it is, and where the robot is then."""
     times, places, _ = way
     knots = np.union1d(times, [time for time in obstacle.times_s if time > 0])
-    even_s, bow = _evened(way, knots)
+    even_s, bow = _even_out(way, knots)
     robot = np.stack([np.interp(even_s, times, places[:, axis]) for axis in (0, 1)], axis=1)
     theirs = np.array(obstacle.positions_m)
     other = np.stack([np.interp(knots, obstacle.times_s, theirs[:, axis]) for axis in (0, 1)], axis=1)
@@ -83,7 +83,7 @@ def _closest(way: _Followed, obstacle: MovingObstacle) -> tuple[float, float, tu
     return float(distance[m]), float(knots[m] + share[m] * (knots[last] - knots[m])), (float(x), float(y))
 
 
-def _evened(way: _Followed, knots_s: Floats) -> tuple[Floats, Floats]:
+def _even_out(way: _Followed, knots_s: Floats) -> tuple[Floats, Floats]:
     """For a robot followed through knots (k,) in time: the times at which it would be there if it drove legs evenly.
 
     And how far its way from each knot to the next bends in time, (k, 2), none after the last; see ``nearest_shares``.
@@ -109,7 +109,7 @@ class _Followed(NamedTuple):
     bends: Floats
 
 
-def _followed(trajectory: Trajectory, until_s: float) -> _Followed | None:
+def _follow(trajectory: Trajectory, until_s: float) -> _Followed | None:
     """A robot, its loop repeated until a time and once more; None: these are too many turns."""
     times, places, loop_s = trajectory.times_s, trajectory.positions_m[:, :2], trajectory.loop_duration_s
     if loop_s == 0:

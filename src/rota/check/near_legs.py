@@ -62,17 +62,17 @@ def _candidates(routes: Routes, lines: _Lines, reach_m: float) -> Iterator[tuple
     """Pairs of legs of different robots within a distance as lines, and that distance of each."""
     before, holds, loops = (np.flatnonzero(routes.kinds == kind) for kind in (TRANSIENT, HOLD, LOOP))
     for in_turn, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
-        for a, b, distance in _met(routes, lines, before[in_turn], before[in_turn], reach_m):
+        for a, b, distance in _near_pairs(routes, lines, before[in_turn], before[in_turn], reach_m):
             # the slice in which the later of two legs begins has both
             start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
             in_slice = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))
             yield a[in_slice], b[in_slice], distance[in_slice]
-    yield from ((a[a < b], b[a < b], far[a < b]) for a, b, far in _met(routes, lines, holds, holds, reach_m))
-    yield from _met(routes, lines, before, holds, reach_m)
+    yield from ((a[a < b], b[a < b], far[a < b]) for a, b, far in _near_pairs(routes, lines, holds, holds, reach_m))
+    yield from _near_pairs(routes, lines, before, holds, reach_m)
     for robot in np.unique(routes.robots[loops]):
         own = loops[routes.robots[loops] == robot]
         others = (routes.robots > robot) | ((routes.robots < robot) & (routes.kinds != LOOP))
-        yield from _met(routes, lines, own, _beside(routes, own, others, reach_m), reach_m)
+        yield from _near_pairs(routes, lines, own, _beside(routes, own, others, reach_m), reach_m)
 
 
 def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
@@ -84,7 +84,7 @@ def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
     for robot in np.unique(routes.robots):
         own = np.flatnonzero(routes.robots == robot)
         beside = _beside(routes, own, routes.robots > robot, reach_m)
-        yield from ((a, b) for a, b, _ in _met(routes, lines, own, beside, reach_m))
+        yield from ((a, b) for a, b, _ in _near_pairs(routes, lines, own, beside, reach_m))
 
 
 def _beside(routes: Routes, own: Ints, others: NDArray[np.bool_], reach_m: float) -> Ints:
@@ -114,7 +114,7 @@ def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
             yield leg[members], float(edges[piece[members[0]]])
 
 
-def _met(
+def _near_pairs(
     routes: Routes, lines: _Lines, first_legs: Ints, second_legs: Ints, reach_m: float
 ) -> Iterator[tuple[Ints, Ints, Floats]]:
     """Pairs of a leg of ``first_legs`` and one of ``second_legs``, of different robots, within a distance as lines.
@@ -133,7 +133,7 @@ def _met(
         distance, _ = segment_distances(lines.ends_m[first.lines[own]], lines.ends_m[second.lines[near]])
         pairs = np.diff(first.begin)[own] * np.diff(second.begin)[near]
         for some in np.split(np.arange(len(pairs)), _cuts(pairs)):
-            pair, turn = _numbered(pairs[some])
+            pair, turn = _number(pairs[some])
             pair = some[pair]
             a_turn, b_turn = np.divmod(turn, np.diff(second.begin)[near[pair]])
             a = first.legs[first.begin[own[pair]] + a_turn]
@@ -162,7 +162,7 @@ def _cuts(counts: Ints) -> Ints:
     return np.flatnonzero(np.diff(np.cumsum(counts) // MOST_AT_ONCE)) + 1
 
 
-def _numbered(counts: Ints) -> tuple[Ints, Ints]:
+def _number(counts: Ints) -> tuple[Ints, Ints]:
     """Each index as often as its count (n,) says, and the number of each time, from 0 on."""
     index = np.repeat(np.arange(len(counts)), counts)
     return index, np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)

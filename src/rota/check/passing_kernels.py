@@ -125,7 +125,7 @@ def _in_order(piece, turn, before, behind):
 
 
 @kernel
-def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
+def _sees_round(stretch, piece, middle, walls, shadows, slack_m):
     """Whether each point of the piece is seen from somewhere on the ``Stretch`` round its place.
 
     piece: (c, 2); middle: (2,) of it; shadows: those of the whole piece.
@@ -229,7 +229,7 @@ def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
             kept = 0 if from_lo > to_hi else leg_sights(middle, way, from_lo, to_hi, of_middle, slack_m, parts)
             for p in range(kept):
                 place = 0.5 * (max(lo, parts.starts[p]) + min(hi, parts.ends[p]))
-                if lo <= place <= hi and _seen_round(
+                if lo <= place <= hi and _sees_round(
                     Stretch(way, lo, hi, place), piece, middle[0], walls, of_piece, slack_m
                 ):
                     passed_in[w] = k

@@ -27,7 +27,7 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.offsets) - 1
 
-    def chosen(self, which: Ints | NDArray[np.bool_]) -> Pieces:
+    def choose(self, which: Ints | NDArray[np.bool_]) -> Pieces:
         """The pieces at these indices, or where the mask is true."""
         index = np.flatnonzero(which) if which.dtype == np.bool_ else which
         counts = np.diff(self.offsets)[index]
@@ -67,14 +67,14 @@ class Pieces:
         return np.asarray((high - low).max(axis=1))
 
 
-def joined(parts: list[Pieces]) -> Pieces:
+def join(parts: list[Pieces]) -> Pieces:
     """All pieces of several sets in one."""
     counts = np.concatenate([np.zeros(1, np.int64), *(np.diff(part.offsets) for part in parts)])
     corners = np.vstack([np.empty((0, 2)), *(part.corners_m for part in parts)])
     return Pieces(offsets=np.cumsum(counts), corners_m=np.ascontiguousarray(corners))
 
 
-def quartered(pieces: Pieces, cuts: Floats, narrowest_m: float) -> tuple[Pieces, Ints]:
+def quarter(pieces: Pieces, cuts: Floats, narrowest_m: float) -> tuple[Pieces, Ints]:
     """Each piece cut along a line and the parts across their longer sides, and the index of each part's piece.
 
     cuts: (n, 3) nx, ny, c: the line n.p = c; nan: across the longer side. Slivers are dropped: parts whose middle is
@@ -115,7 +115,7 @@ def convex_pieces(region: Any, size_m: float, narrowest_m: float) -> Pieces:
     inner = Pieces(offsets=np.arange(0, len(corners) + 1, 4, dtype=np.int64), corners_m=np.ascontiguousarray(corners))
     border = _convex_parts(clips)
     wide = tiling_kernels.half_widths(border.offsets, border.corners_m) > narrowest_m
-    return joined([inner, border.chosen(wide)])
+    return join([inner, border.choose(wide)])
 
 
 def _split_boxes(boxes: Floats, times: int) -> Floats:

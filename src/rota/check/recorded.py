@@ -59,7 +59,7 @@ def check_recording(
     if not to_s > from_s:
         raise PlanError(f"the recording lasts from {from_s:.6g} s to {to_s:.6g} s: there is nothing to judge")
     demands = demands_of(mission)
-    sights = sights_along(*_driven(mission, tracks, tolerance_m), mission, mission.area.bounds, window_s)
+    sights = sights_along(*_drive(mission, tracks, tolerance_m), mission, mission.area.bounds, window_s)
     findings = tile_and_refine(mission, demands, sights, finest_m)
     excluded = too_much_excluded(mission, demands, findings)
     verdicts, not_judged = Verdicts(), []
@@ -92,7 +92,7 @@ def check_recording(
     )
 
 
-def _driven(
+def _drive(
     mission: Mission, tracks: Sequence[RecordedTrack], tolerance_m: float
 ) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]]:
     """All legs as driven once, and what the robots of each see with.

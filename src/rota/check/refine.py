@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.findings import Findings, together
-from rota.check.pieces import Pieces, quartered
+from rota.check.pieces import Pieces, quarter
 from rota.check.revisits import Sights, passing_gaps, piece_gaps, point_pieces, swath_cuts
 from rota.check.tolerances import INSIDE, ROUNDING, SPOT_M
 
@@ -55,8 +55,8 @@ def refine(
 
     def part(first: int) -> list[Findings]:
         own = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
-        return _refined(
-            sights, pieces.chosen(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few, on_the_way
+        return _refine(
+            sights, pieces.choose(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few, on_the_way
         )
 
     if len(pieces) <= MOST_TOGETHER:
@@ -65,7 +65,7 @@ def refine(
         return [together(parts) for parts in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
 
 
-def _refined(
+def _refine(
     sights: Sights,
     pieces: Pieces,
     owners: Ints,
@@ -83,13 +83,13 @@ def _refined(
             on_the_way()
         gaps = piece_gaps(sights, pieces, limits_s[owners])
         met = gaps.gaps_s <= limits_s[owners]
-        _note_met(findings, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
+        _note_met(findings, sights, pieces.choose(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
         left = np.flatnonzero(~met)
-        level = _Level(sights, pieces.chosen(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
+        level = _Level(sights, pieces.choose(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
         level.note_samples(findings, is_seeable, finest_m)
         open_pieces = level.settle(findings, is_seeable, finest_m, coarse_m, few)
-        chosen = level.pieces.chosen(open_pieces)
-        pieces, parents = quartered(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
+        chosen = level.pieces.choose(open_pieces)
+        pieces, parents = quarter(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
         owners = level.owners[open_pieces][parents]
     return findings
 
@@ -103,7 +103,7 @@ def _note_met(
         findings[k].upper_s = max(findings[k].upper_s, float(gaps_s[own].max()))
         findings[k].first_s = max(findings[k].first_s, float(firsts_s[own].max()))
         worst = own[np.argsort(-gaps_s[own], kind="stable")[:SAMPLED_MET]]
-        samples = piece_gaps(sights, point_pieces(pieces.chosen(worst).centres_m()), np.zeros(len(worst)))
+        samples = piece_gaps(sights, point_pieces(pieces.choose(worst).centres_m()), np.zeros(len(worst)))
         known = samples.gaps_s[samples.exact & np.isfinite(samples.gaps_s)]
         findings[k].lower_s = max(findings[k].lower_s, float(known.max(initial=0.0)))
 
@@ -157,7 +157,7 @@ class _Level:
         finest = self.sizes_m <= finest_m * (1 + ROUNDING)
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
-        passed = self._passed(findings, np.flatnonzero(finest & ~out & ~self.bad))
+        passed = self._seen_in_passing(findings, np.flatnonzero(finest & ~out & ~self.bad))
         in_doubt = np.flatnonzero(finest & ~out & ~passed)
         out[in_doubt] = self.hidden[in_doubt]
         asked = in_doubt[~out[in_doubt]]
@@ -184,7 +184,7 @@ class _Level:
 
     def _inner_corners(self, index: Ints) -> tuple[Floats, Ints]:
         """Corners (c, 2) of some pieces, a little inwards, and for each the place in ``index`` of its piece, (c,)."""
-        chosen = self.pieces.chosen(index)
+        chosen = self.pieces.choose(index)
         owner = chosen.owners()
         middles = self.middles[index][owner]
         return middles + INSIDE * (chosen.corners_m - middles), owner
@@ -198,14 +198,14 @@ class _Level:
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
         return ~is_seeable(self.middles[index], radii * (1 + ROUNDING), self.owners[index])
 
-    def _passed(self, findings: list[Findings], index: Ints) -> Flags:
+    def _seen_in_passing(self, findings: list[Findings], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""
         passed = np.zeros(len(self.pieces), bool)
-        gaps = passing_gaps(self.sights, self.pieces.chosen(index), self.limits_s[index])
+        gaps = passing_gaps(self.sights, self.pieces.choose(index), self.limits_s[index])
         met = gaps.gaps_s <= self.limits_s[index]
         passed[index[met]] = True
         _note_met(
-            findings, self.sights, self.pieces.chosen(index[met]), self.owners[index[met]],
+            findings, self.sights, self.pieces.choose(index[met]), self.owners[index[met]],
             gaps.gaps_s[met], gaps.firsts_s[met],
         )  # fmt: skip
         return passed
@@ -290,4 +290,4 @@ class _Level:
             findings[k].first_s = max(findings[k].first_s, float(self.firsts_s[own].max()))
             findings[k].undecided_cells += int((~self.bad[own] | self.hidden[own]).sum())
             findings[k].unseen_area_m2 += float(self.areas_m2[own][self.unseen[own] & ~self.hidden[own]].sum())
-            findings[k].unmet += [self.pieces.chosen(own).corners_m, self.middles[own]]
+            findings[k].unmet += [self.pieces.choose(own).corners_m, self.middles[own]]

@@ -20,7 +20,7 @@ def report_table(report: Report) -> str:
     lines = [f"verdict: {report.verdict}{_since(report)}", f"robots: {report.robots} (lower bound: {bound}); {extent}"]
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
-    lines += _held(report)
+    lines += _holding_lines(report)
     if report.clock_margin_s is not None:
         lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []
@@ -28,7 +28,7 @@ def report_table(report: Report) -> str:
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
 
 
-def _held(report: Report) -> list[str]:
+def _holding_lines(report: Report) -> list[str]:
     """What a swarm has where it holds, and what of the ground no robot can reach; nothing of other plans."""
     held = report.holding
     if held is None:

@@ -184,7 +184,7 @@ def _in_parts(
     """The arrays (n,) that a kernel gives for n pieces, each thread looking at a part of them."""
     threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
     cuts = np.array_split(np.arange(len(pieces)), threads)
-    arguments = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+    arguments = [_arguments(sights, pieces.choose(cut), limits_s[cut]) for cut in cuts]
     with ThreadPoolExecutor(max_workers=threads) as pool:
         parts = list(pool.map(lambda part: kernel(*part), arguments))
     return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))

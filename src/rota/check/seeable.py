@@ -42,7 +42,7 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
-    return _ground(mission.obstacles, areas, slack_of(mission)).seen(points_m, spread_m)
+    return _ground(mission.obstacles, areas, slack_of(mission)).sees(points_m, spread_m)
 
 
 def seeable_ground(mission: Mission) -> SeeableGround:
@@ -71,16 +71,16 @@ class SeeableGround:
         self._known: dict[float, dict[tuple[float, float], bool]] = {}
         self._scene_within = functools.lru_cache(maxsize=SPREADS)(self._ragged_scene)
 
-    def seen(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
+    def sees(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
         """Whether each of the points (n, 2) can be seen within the spread: (n,) flags; see ``seeable``."""
         if not self._is_ragged or spread_m > MOST_SPREAD * self._reach_m:
-            return _seen_from_any(self._areas, self._hidden, points_m, spread_m, self._slack_m)
+            return _sees_from_any(self._areas, self._hidden, points_m, spread_m, self._slack_m)
         known = self._known.setdefault(spread_m, {})
         keys = list(map(tuple, points_m.tolist()))
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
         if len(new):
             scene = self._scene if spread_m == 0 else self._scene_within(spread_m)
-            sight = _seen_in(scene, points_m[new], spread_m)
+            sight = _sees_in(scene, points_m[new], spread_m)
             known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
         return np.array([known[key] for key in keys], dtype=np.bool_)
 
@@ -102,19 +102,19 @@ class SeeableGround:
         for scene in self._scene:
             _sides(scene.area)
 
-    def seen_within(self, points_m: Floats, spreads_m: Floats) -> Flags:
+    def sees_within(self, points_m: Floats, spreads_m: Floats) -> Flags:
         """The same for a spread of each point, (n,) metres; for one that is greater, where that is less work.
 
         To make the ground ready for a spread takes longer than thousands of looks.
         """
         if not self._is_ragged:
-            return self.seen(points_m, float(spreads_m.max(initial=0.0)))
+            return self.sees(points_m, float(spreads_m.max(initial=0.0)))
         steps = np.ceil(np.log2(np.maximum(spreads_m, LEAST_SPREAD_M) / LEAST_SPREAD_M))
         spreads_m = np.where(spreads_m > 0, LEAST_SPREAD_M * 2.0**steps, 0.0)
         sight = np.zeros(len(points_m), np.bool_)
         for spread_m in np.unique(spreads_m):
             members = np.flatnonzero(spreads_m == spread_m)
-            sight[members] = self.seen(points_m[members], float(spread_m))
+            sight[members] = self.sees(points_m[members], float(spread_m))
         return sight
 
     def _ragged_scene(self, spread_m: float) -> tuple[_Scene, ...]:
@@ -129,14 +129,14 @@ class SeeableGround:
         return _scene_of(self._areas, hidden, box_m, spread_m, self._slack_m, ragged_spread_m=most_m)
 
 
-def _seen_from_any(
+def _sees_from_any(
     areas: tuple[StandingArea, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
 ) -> Flags:
     """Whether each point (n, 2) is seen from any of the areas, within the spread: (n,) flags."""
     if not len(points_m):
         return np.zeros(0, np.bool_)
     box = points_m.min(axis=0), points_m.max(axis=0)
-    return _seen_in(_scene_of(areas, _thinner(hidden, spread_m), box, spread_m, slack_m), points_m, spread_m)
+    return _sees_in(_scene_of(areas, _thinner(hidden, spread_m), box, spread_m, slack_m), points_m, spread_m)
 
 
 def _thinner(hidden: Any, spread_m: float, *, steps: int = 16) -> Any:
@@ -221,17 +221,17 @@ def _half_m(sensor: Sensor) -> float:
     return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
 
 
-def _seen_in(scenes: tuple[_Scene, ...], points_m: Floats, spread_m: float) -> Flags:
+def _sees_in(scenes: tuple[_Scene, ...], points_m: Floats, spread_m: float) -> Flags:
     """Whether each point (n, 2) is seen from the area of any scene, within the spread: (n,) flags."""
     sight = np.zeros(len(points_m), np.bool_)
     for scene in scenes:
         left = np.flatnonzero(~sight)
         if len(left):
-            sight[left] = _seen_from(scene, points_m[left], spread_m)
+            sight[left] = _sees_from(scene, points_m[left], spread_m)
     return sight
 
 
-def _seen_from(scene: _Scene, points_m: Floats, spread_m: float) -> Flags:
+def _sees_from(scene: _Scene, points_m: Floats, spread_m: float) -> Flags:
     """Whether each point (n, 2) is seen from the area of the scene, within the spread: (n,) flags.
 
     The nearest place to stand decides most; rays decide the rest.

@@ -136,7 +136,7 @@ def _span(segment, x, y):
 
 
 @kernel
-def _blocked_at(x, y, walls):
+def _reach_by_sector(x, y, walls):
     """(SECTORS,) metres beyond which nothing is seen in each sector of directions, since a single wall spans all of it.
 
     Each ray in the sector hits such a wall no farther away than its farther end.
@@ -274,7 +274,7 @@ def _sees_some(x, y, reach_m, square, walls, ground, crossings, all_m):
     """
     blocked_at = np.full(SECTORS, math.inf)
     if len(walls.items) + len(ground.items) > MANY_NEAR:
-        blocked_at = _blocked_at(x, y, walls)
+        blocked_at = _reach_by_sector(x, y, walls)
         ground = _not_beyond(x, y, blocked_at, ground)
         walls = _not_beyond(x, y, blocked_at, walls)
         if blocked_at.max() + GRID_MARGIN_M < all_m:

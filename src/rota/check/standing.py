@@ -118,7 +118,7 @@ def _standing_areas(
     clear = 0.0 if entrances is None else CLEARANCE
     shapes = [standing(area, obstacles, body_m * (1 + clear)) for body_m, _ in kinds]
     return tuple(
-        StandingArea(shape=_entered(shape, entrances, near_entrance_m(body_m)), sensor=sensor)
+        StandingArea(shape=_parts_at_entrances(shape, entrances, near_entrance_m(body_m)), sensor=sensor)
         for shape, (body_m, sensor) in zip(shapes, kinds, strict=True)
     )
 
@@ -137,7 +137,7 @@ def near_way_in_m(body_radius_m: float) -> float:
     return 40 * CLEARANCE * body_radius_m + 2 * TOUCH_M
 
 
-def _entered(places: Any, entrances: tuple[tuple[float, float], ...] | None, near_m: float) -> Any:
+def _parts_at_entrances(places: Any, entrances: tuple[tuple[float, float], ...] | None, near_m: float) -> Any:
     """The parts of the places that an entrance lies in, or near to; all of them where none are given."""
     if entrances is None:
         return places

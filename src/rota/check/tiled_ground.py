@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
-from rota.check.pieces import Pieces, convex_pieces, joined
+from rota.check.pieces import Pieces, convex_pieces, join
 from rota.check.refine import refine
 from rota.check.revisits import Sights
 from rota.check.seeable import has_many_sides, seeable_ground
@@ -74,7 +74,7 @@ def tile_and_refine(
             for k in np.unique(numbers):
                 members = np.flatnonzero(numbers == k)
                 members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
-                can_see[members] = ground.seen_within(points_m[members], spreads_m[members])
+                can_see[members] = ground.sees_within(points_m[members], spreads_m[members])
         return can_see
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
@@ -84,12 +84,12 @@ def tile_and_refine(
     findings = refine(
         sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few, on_the_way=on_the_way
     )
-    for k in _left_out(mission, demands, pieces, owners):
+    for k in _unfilled_demands(mission, demands, pieces, owners):
         findings[k].undecided_cells += 1
     return findings
 
 
-def _left_out(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
+def _unfilled_demands(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
     """Numbers of the demands whose region the pieces do not fill, slivers along its border aside.
 
     Slivers thinner than the check's tolerance have no area to speak of. A region that is nothing else was not looked
@@ -127,4 +127,4 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
         if demand.demand == "every_point":
             tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
             owners.append(np.full(len(tiles[-1]), k, np.int64))
-    return joined(tiles), np.concatenate(owners), size
+    return join(tiles), np.concatenate(owners), size

@@ -20,8 +20,8 @@ from rota.command.arguments import (
     require_target,
 )
 from rota.command.compare import compare
-from rota.command.compile import compile_kernels, compiled_first
-from rota.command.ending import exit_code_of, flushed
+from rota.command.compile import compile_first, compile_kernels
+from rota.command.ending import exit_code_of, flush
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
@@ -68,8 +68,8 @@ def run(arguments: list[str]) -> int:
         with clean_end_on_terminate():
             app(arguments, prog_name="rota")
     except (Exception, SystemExit) as end:
-        return flushed(exit_code_of(end))
-    return flushed(DONE)
+        return flush(exit_code_of(end))
+    return flush(DONE)
 
 
 # ---------------------------------------------------------------- plan
@@ -129,9 +129,9 @@ def plan(
             packages = (*planner.compiled_packages(asked), *compiled_packages(asked))
             checkpoint = None if resume is None else read_checkpoint(resume)
             seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
-            stack.enter_context(compiled_first(planner, packages))
+            stack.enter_context(compile_first(planner, packages))
             executor = stack.enter_context(cluster_or_none(cluster))
-            if (left_out := OwnThread(lambda: planner.left_out(asked)).awaited()) is not None:
+            if (left_out := OwnThread(lambda: planner.left_out(asked)).do_work()) is not None:
                 say(left_out)
         code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)
@@ -174,7 +174,7 @@ def check(
     """Check a plan: exit code 0 when all is met, 1 when not."""
     from rota.check import check_plan
     from rota.command.executed import AsPlanned
-    from rota.command.flown import flown_by, worst_flight
+    from rota.command.flown import fly_by, worst_flight
 
     answer = read_plan_argument(plan)
     if mission is not None:
@@ -186,14 +186,14 @@ def check(
         if (option := next((name for name, value in given.items() if value is not None), None)) is not None:
             raise RotaError(f"{option}: is for --executed only")
     elif vehicle is not None:
-        flights = flown_by(answer, executed, vehicle, wind, in_phase_every, origin)
+        flights = fly_by(answer, executed, vehicle, wind, in_phase_every, origin)
     elif wind is not None:
         raise RotaError("--wind: is for --vehicle only")
     else:
         made = plan_as_executed(answer, executed, in_phase_every, origin)
     mention_compiling(*compiled_packages(answer.mission))
     with saying_when_interrupted("the plan is not checked to the end"):
-        reports = OwnThread(lambda: [check_plan(each.plan) for each in flights or (made,)]).awaited()
+        reports = OwnThread(lambda: [check_plan(each.plan) for each in flights or (made,)]).do_work()
     made, report = worst_flight(flights, reports) if flights else (made, reports[0])
     typer.echo(json.dumps(made.to_json(report), indent=1) if as_json else made.text(report))
     for remark in made.remarks(answer, report):

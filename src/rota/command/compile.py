@@ -28,7 +28,7 @@ def compile_kernels(
     from rota.compiled.code_cache import cache_folder, is_writable
     from rota.errors import NoPlanFound, RotaError
     from rota.model.planner_registry import PLANNERS
-    from rota.planning.first_run import compiled_by_two
+    from rota.planning.first_run import compile_by_two
     from rota.planning.make_plan import search_plan
     from rota.planning.planner import planner_named
     from rota.vehicles.compile_ahead import fly_a_square
@@ -38,50 +38,50 @@ def compile_kernels(
     if not is_writable(folder):
         raise RotaError(f"{folder} cannot be written; choose another folder by NUMBA_CACHE_DIR")
     began_s = time.monotonic()
-    with progress_bar() as bar, _shown(bar) as compiled:
+    with progress_bar() as bar, _show_progress(bar) as compiled:
         for door in doors.values():
             small = door.small_mission()
             if small is not None:
-                with compiled_by_two(door, to_the_end=True), suppress(NoPlanFound):
+                with compile_by_two(door, to_the_end=True), suppress(NoPlanFound):
                     search_plan(small)
         fly_a_square()
     say(f"{len(compiled())} functions compiled in {time.monotonic() - began_s:.0f} s, kept in {folder}")
 
 
 @contextmanager
-def compiled_first(planner: Planner, packages: Sequence[str]) -> Iterator[None]:
+def compile_first(planner: Planner, packages: Sequence[str]) -> Iterator[None]:
     """Before the planner works, compile what it takes unless these packages are compiled, and show what is compiled."""
     from rota.compiled.compiled_cache import is_compiled
-    from rota.planning.first_run import compiled_by_two
+    from rota.planning.first_run import compile_by_two
 
     mention_compiling(*packages)
     with ExitStack() as held:
         if not is_compiled(*packages):
             with progress_bar() as bar:
-                held.enter_context(compiled_by_two(planner, tell=bar.show))
+                held.enter_context(compile_by_two(planner, tell=bar.show))
         yield
 
 
 @contextmanager
-def _shown(bar: Bar) -> Iterator[Callable[[], set[str]]]:
+def _show_progress(bar: Bar) -> Iterator[Callable[[], set[str]]]:
     """Show the newest function on the bar; gives what tells all that were compiled meanwhile, by any process."""
     from rota.compiled.code_cache import kept_names
 
     before, done = kept_names(), threading.Event()
 
-    def compiled() -> set[str]:
+    def newly_kept() -> set[str]:
         """What is kept now and was not before."""
         return kept_names() - before
 
     def show() -> None:
         """Tell how many there are until the work is done."""
         while not done.wait(LOOK_EVERY_S):
-            bar.show(0.0, f"compiling, {len(compiled())} functions so far")
+            bar.show(0.0, f"compiling, {len(newly_kept())} functions so far")
 
     shower = threading.Thread(target=show, daemon=True)
     shower.start()
     try:
-        yield compiled
+        yield newly_kept
     finally:
         done.set()
         shower.join()

@@ -83,7 +83,7 @@ def _causes_of(end: BaseException | None) -> list[BaseException]:
     return causes
 
 
-def flushed(code: int) -> int:
+def flush(code: int) -> int:
     """The exit code once all output is written; another one where it cannot be.
 
     Python writes what is left after the program has ended, and would end with 120 where that fails.

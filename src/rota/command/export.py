@@ -13,7 +13,7 @@ from rota.command.terminal import STANDARD_STREAM, say
 from rota.command.without_mass import without_mass
 from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
-from rota.exports import FORMATS, export_format, export_of, placed_for
+from rota.exports import FORMATS, export_format, export_of, place_for
 from rota.vehicles.presets import ARDUCOPTER
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def plan_as_executed(plan: Plan, name: str, in_phase_every_s: float | None, orig
 
     export_format(name, "--executed")
     if origin is not None:
-        plan = placed_for(plan, origin, name)
+        plan = place_for(plan, origin, name)
     made = executed_plan(plan, name)
     say(made.told)
     if in_phase_every_s is not None:

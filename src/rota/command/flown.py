@@ -55,9 +55,9 @@ class ByVehicle:
             round_s = each.motion.round_s
             cells = [f"{each.planned_s:.1f}", f"{round_s:.1f}", f"{each.factor:.2f}", f"{round_s - each.planned_s:.1f}"]
             rows.append((each.way.robot, *(cells if each.planned_s else ["stays", "", "", ""]), f"{cut_m:.1f}"))
-        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", "", *_aligned(rows), ""]
+        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", "", *_align(rows), ""]
         if self.directions:
-            lines += [*_aligned([("wind from", "verdict", "worst ratio", "slowest round"), *self._directions()]), ""]
+            lines += [*_align([("wind from", "verdict", "worst ratio", "slowest round"), *self._directions()]), ""]
         return "\n".join([*lines, table_of_worst(report)])
 
     def _directions(self) -> list[tuple[str, ...]]:
@@ -131,7 +131,7 @@ class ByVehicle:
                 f" on them where {length_m / planned_s:.1f} m/s are planned; plans for slower robots come nearer"
             )
             fewer = ""
-            for each in (self.vehicle, *_tuned(self.vehicle)):
+            for each in (self.vehicle, *_quicker_presets(self.vehicle)):
                 if not planned.heeds_motion:
                     straight = straightened(planned, STRAIGHT_M)
                     fewer = (
@@ -148,7 +148,7 @@ class ByVehicle:
         return f"{told}, the worst of {len(self.directions)} directions" if self.directions else told
 
 
-def flown_by(
+def fly_by(
     plan: Plan, name: str, vehicle: str, wind: str | None, in_phase_every_s: float | None, origin: str | None
 ) -> tuple[ByVehicle, ...]:
     """The plan as a named vehicle flies it, in wind from each direction that it may blow from.
@@ -156,14 +156,14 @@ def flown_by(
     wind: M_S,FROM_DEG, or M_S from eight directions, as is the mission's own wind where None is given. Raises RotaError
     as ``plan_as_flown`` does.
     """
-    from rota.exports import export_format, placed_for
+    from rota.exports import export_format, place_for
     from rota.files.executed.plan_as_flown import plan_as_flown
     from rota.vehicles.presets import vehicle_named
 
     export_format(name, "--executed")
     known, winds = vehicle_named(vehicle), _winds_of(plan) if wind is None else _winds_given(wind)
     if origin is not None:
-        plan = placed_for(plan, origin, name)
+        plan = place_for(plan, origin, name)
     mention_compiling("vehicles")
     flights = []
     for blows in winds:
@@ -222,7 +222,7 @@ def _from_each_direction(speed_m_s: float) -> tuple[Wind, ...]:
     return tuple(Wind(speed_m_s=speed_m_s, from_deg=float(from_deg)) for from_deg in DIRECTIONS_DEG)
 
 
-def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:
     """A line for each row, the first cell to the left and all others to the right, under each other."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     return [
@@ -240,7 +240,7 @@ def _factor(plan: Plan, vehicle: Vehicle) -> float:
     return sum(model.round_s(way_of(plan, each)) for each in plan) / sum(each.loop_duration_s for each in plan)
 
 
-def _tuned(vehicle: Vehicle) -> list[Vehicle]:
+def _quicker_presets(vehicle: Vehicle) -> list[Vehicle]:
     """Presets of the same formats that are quicker."""
     from rota.vehicles.presets import VEHICLES
 

@@ -19,7 +19,7 @@ import typer
 
 from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.interrupt import run_to_its_end
-from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
+from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, open_link
 from rota.command.terminal import STANDARD_STREAM, say
 from rota.command.without_mass import without_mass
 from rota.compiled.compiled_cache import mention_compiling
@@ -125,20 +125,20 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
     from rota.links.sending import first_reports, routes_for, send_all, start_all
 
     with _along(plan, link, order) as along:
-        async with opened(link):
+        async with open_link(link):
             routes = routes_for(plan, link)
             await send_all(link, routes)
             await first_reports(link, [route.robot for route in routes])
             flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
             typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
-            for told in along.told_before() if along is not None else ():
+            for told in along.tell_before() if along is not None else ():
                 typer.echo(told)
             for told in await _by_themselves(link, plan):
                 typer.echo(told)
             if not order.start:
                 typer.echo("Nothing was started: --start does.")
                 return
-            if not order.yes and not await _confirmed(f"Start {len(routes)} robots? Type yes: "):
+            if not order.yes and not await _is_confirmed(f"Start {len(routes)} robots? Type yes: "):
                 typer.echo("Nothing was started; the robots hold their routes.")
                 return
             if flights is not None:
@@ -214,7 +214,7 @@ async def _command(link: Link, plan: Plan, home: bool) -> None:
     from rota.links.flights import Flights
     from rota.links.sending import command_all, first_reports
 
-    async with opened(link):
+    async with open_link(link):
         if home and link.flies:
             await first_reports(link, link.robots)
             await Flights(link, plan.mission, say).bring_home()
@@ -224,7 +224,7 @@ async def _command(link: Link, plan: Plan, home: bool) -> None:
     typer.echo(f"{len(link.robots)} robots {'are called home' if home else 'have stopped'}.")
 
 
-async def _confirmed(question: str) -> bool:
+async def _is_confirmed(question: str) -> bool:
     """Whether somebody types yes; links go on meanwhile, and Ctrl-C ends the waiting."""
     loop = asyncio.get_running_loop()
     answer: asyncio.Future[str] = loop.create_future()

@@ -44,7 +44,7 @@ class Along(AbstractContextManager["Along"]):
         if self._log is not None:
             self._log.__exit__(*failed)
 
-    def told_before(self) -> list[str]:
+    def tell_before(self) -> list[str]:
         """How slowly all may drive before something lapses, and who has to be slower than planned."""
         if not self._link.keeps_phase:
             return []

@@ -79,7 +79,7 @@ def stop_on_interrupt(announce: Callable[[str], None]) -> Iterator[StopFlag]:
             _forget_terminal()
         announce(NAMES[flag.by])
 
-    taken = _taken(raise_flag)
+    taken = _take(raise_flag)
     try:
         yield flag
     finally:
@@ -96,7 +96,7 @@ def clean_end_on_terminate() -> Iterator[None]:
             _forget_terminal()
         raise Terminated(number)
 
-    taken = _taken(end, *ENDS)
+    taken = _take(end, *ENDS)
     try:
         yield
     finally:
@@ -121,7 +121,7 @@ def run_to_its_end(main: Coroutine[Any, Any, None]) -> None:
     """
     came: list[int] = []
 
-    async def guarded() -> None:
+    async def guard() -> None:
         task = asyncio.current_task()
         assert task is not None
         loop = asyncio.get_running_loop()
@@ -132,7 +132,7 @@ def run_to_its_end(main: Coroutine[Any, Any, None]) -> None:
                 _forget_terminal()
             loop.call_soon_threadsafe(task.cancel)
 
-        before = _taken(end, *ENDS)
+        before = _take(end, *ENDS)
         try:
             await main
         finally:
@@ -140,12 +140,12 @@ def run_to_its_end(main: Coroutine[Any, Any, None]) -> None:
                 signal.signal(number, handler)
 
     try:
-        asyncio.run(guarded())
+        asyncio.run(guard())
     except asyncio.CancelledError:
         raise Terminated(*came[:1]) from None
 
 
-def _taken(
+def _take(
     handler: Callable[[int, FrameType | None], None], *numbers: signal.Signals
 ) -> dict[signal.Signals, signal._HANDLER]:
     """Hand the signals (all by default) to a handler; those that were taken, with what handled them before."""

@@ -39,7 +39,7 @@ def chosen_link(name: str, plan: Plan, origin: str | None, settings: list[str] |
 
 
 @asynccontextmanager
-async def opened(link: Link) -> AsyncIterator[None]:
+async def open_link(link: Link) -> AsyncIterator[None]:
     """The link open within the block; what keeps it from its robots is told, and when that has passed.
 
     So is the text of a CancelledError.

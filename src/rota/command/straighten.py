@@ -46,7 +46,7 @@ def straighten(
     with saying_when_interrupted("no plan: it is not checked to the end"):
         for off_m in tried_m:
             made = straightened(answer, off_m)
-            verdict = OwnThread(partial(check_plan, made)).awaited().verdict
+            verdict = OwnThread(partial(check_plan, made)).do_work().verdict
             if verdict == "met":
                 break
     if verdict != "met" and within_m is None:

@@ -151,16 +151,16 @@ def swarm_launch(
     processes = _processes(asked, _settings(asked, **options))
     fleet = asked.fleet.robots or ()
 
-    def started(ids: dict[int, int]) -> None:
+    def tell_start(ids: dict[int, int]) -> None:
         say(", ".join(f"{fleet[number].name} is process {pid}" for number, pid in ids.items()))
 
-    def measured(time_s: float, share: float, count: int) -> None:
+    def tell_measure(time_s: float, share: float, count: int) -> None:
         typer.echo(f"{time_s:5.0f} s  {share:6.1%} covered by {count} robots")
 
     with stop_on_interrupt(lambda by: say(f"ending with what was recorded; {by} again ends at once")) as stop:
         launch = Launch(
-            robots=chosen, time_limit_s=time_limit, ends_at_rest=True, should_stop=stop, started=started,
-            measured=measured,
+            robots=chosen, time_limit_s=time_limit, ends_at_rest=True, should_stop=stop, started=tell_start,
+            measured=tell_measure,
         )  # fmt: skip
         record = processes.run_all(launch)
     write_plan(record.plan, target)

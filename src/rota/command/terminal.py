@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-from rota.model.refusals import escaped
+from rota.model.refusals import escape
 from rota.planning.planner import about
 from rota.planning.progress import SteadyProgress
 
@@ -31,7 +31,7 @@ def say(message: str) -> None:
 
     Paths and what robots answer may hold anything: what would steer the terminal or begin a line is escaped.
     """
-    print(f"rota: {escaped(message)}", file=sys.stderr, flush=True)
+    print(f"rota: {escape(message)}", file=sys.stderr, flush=True)
 
 
 class TimeLeft(ProgressColumn):

@@ -14,7 +14,7 @@ import typer
 from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.interrupt import stop_on_interrupt
-from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
+from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, open_link
 from rota.command.terminal import STANDARD_STREAM, say
 from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import MissionError, RotaError
@@ -191,7 +191,7 @@ def _watch(
         session = Session(watched, writer, lines.show if table is None else table.show)
 
         async def run() -> None:
-            async with opened(link):
+            async with open_link(link):
                 await _begin(plan, link)
                 await session.follow(link, until_s=until_s, should_stop=stop)
 

@@ -66,7 +66,7 @@ def table_of(state: FleetState) -> Group:
 def _demand_row(demand: DemandState) -> list[Text]:
     lapses = "-" if demand.lapses_in_s is None else seconds(max(0.0, demand.lapses_in_s))
     cells = [demand.name, demand.standing, f"{demand.age_s:.0f}", f"{demand.period_s:g}", f"{demand.worst_s:.1f}"]
-    return _styled([*cells, lapses, ", ".join(demand.could[:3]) or "-"], DEMAND_STYLES[demand.standing])
+    return _style([*cells, lapses, ", ".join(demand.could[:3]) or "-"], DEMAND_STYLES[demand.standing])
 
 
 def _robot_row(robot: RobotState) -> list[Text]:
@@ -74,9 +74,9 @@ def _robot_row(robot: RobotState) -> list[Text]:
     leaves = "-" if robot.leaves_in_s is None else seconds(max(0.0, robot.leaves_in_s))
     lag = f"{-robot.lag_s:.1f} ahead" if robot.lag_s <= -0.05 else f"{abs(robot.lag_s):.1f}"
     numbers = [lag, f"{robot.away_m:.1f}", f"{robot.silent_s:.1f}"]
-    return _styled([robot.name, robot.standing, *numbers, battery, leaves], STYLES[robot.standing])
+    return _style([robot.name, robot.standing, *numbers, battery, leaves], STYLES[robot.standing])
 
 
-def _styled(cells: list[str], style: str) -> list[Text]:
+def _style(cells: list[str], style: str) -> list[Text]:
     """Cells as plain text, whatever signs names hold; the second one, how things are, in a style."""
     return [Text(cell, style=style if k == 1 else "") for k, cell in enumerate(cells)]

@@ -99,7 +99,7 @@ def write_code(name: str, data: bytes) -> bool:
 
 
 @contextmanager
-def held(number: int) -> Iterator[None]:
+def hold(number: int) -> Iterator[None]:
     """Hold what has this number (63 bits) while it is compiled; other processes wait. Without locks nobody waits."""
     file = _lock_file(cache_folder())
     if file is None:
@@ -119,7 +119,7 @@ def held(number: int) -> Iterator[None]:
 
 
 @contextmanager
-def claimed(number: int) -> Iterator[bool]:
+def claim(number: int) -> Iterator[bool]:
     """Hold what has this number unless another process does, and give whether; without locks it is always given."""
     file = _lock_file(cache_folder())
     if file is None:

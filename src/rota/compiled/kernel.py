@@ -38,7 +38,7 @@ from numba.core.untyped_passes import ExtractByteCode
 from numba.np import linalg
 
 from rota.compiled.by_reference import Reference
-from rota.compiled.code_cache import discard_code, held, read_code, write_code
+from rota.compiled.code_cache import discard_code, hold, read_code, write_code
 from rota.compiled.source_stamp import code_prefix, source_stamp
 
 Arguments = tuple[types.Type, ...]
@@ -103,7 +103,7 @@ class _Compiler(_FunctionCompiler):
         flags.no_cfunc_wrapper = True
         return flags
 
-    def compiled_as(self, number: int, has_entry: bool, args: Arguments, return_type: Any) -> Any:
+    def compile_as(self, number: int, has_entry: bool, args: Arguments, return_type: Any) -> Any:
         """The result of compiling for these types; what has the same number has the same code."""
         self.has_entry, self.pipeline_class = has_entry, partial(_Pipeline, number)
         return self.compile(args, return_type)
@@ -122,7 +122,7 @@ class Kernel(CPUDispatcher):
         self._python_calls = False
 
     def __reduce__(self) -> Any:
-        return _named, (self.__module__, self.__qualname__)
+        return _kernel_named, (self.__module__, self.__qualname__)
 
     def _compile_for_args(self, *args: Any, **keywords: Any) -> Any:
         # the interpreter comes here when it knows no entry for these types
@@ -154,17 +154,17 @@ class Kernel(CPUDispatcher):
         """A form that is not in memory: from the cache, or else compiled, by one process while others wait for it."""
         kinds = ("entry",) if entry else ("inner",) if self.noinline else ("inner", "entry")
         names = [self._name(arguments, return_type, kind) for kind in kinds]
-        found = next(((name, result) for name in names if (result := self._loaded(name)) is not None), None)
+        found = next(((name, result) for name in names if (result := self._load(name)) is not None), None)
         if found is None:
             number = int(names[0][-DIGEST_DIGITS:][:15], 16)
-            with held(number):
-                result = self._loaded(names[0]) or self._compiled(names[0], number, entry, arguments, return_type)
+            with hold(number):
+                result = self._load(names[0]) or self._compile_now(names[0], number, entry, arguments, return_type)
             found = names[0], result
         name, result = found
         self._add(arguments, result, has_entry=entry or name != names[0])
         return result
 
-    def _loaded(self, name: str) -> Any:
+    def _load(self, name: str) -> Any:
         """The form of this name in the cache, and before it all that it looks for by name; None: there is none."""
         data = read_code(name) if self.is_kept else None
         if data is None:
@@ -173,7 +173,7 @@ class Kernel(CPUDispatcher):
         try:
             needs, parts = pickle.loads(data)
             for module, qualname, arguments in pickle.loads(needs):
-                _named(module, qualname).compile(arguments)
+                _kernel_named(module, qualname).compile(arguments)
             result = compiler.CompileResult._rebuild(self.targetctx, *pickle.loads(parts))
         except Exception:  # whatever it is: what does not load is of no use to anybody
             discard_code(name)
@@ -182,11 +182,11 @@ class Kernel(CPUDispatcher):
         self.targetctx.insert_user_function(result.entry_point, result.fndesc, libraries)
         return result
 
-    def _compiled(self, name: str, number: int, entry: bool, arguments: Arguments, return_type: Any) -> Any:
+    def _compile_now(self, name: str, number: int, entry: bool, arguments: Arguments, return_type: Any) -> Any:
         """The form compiled now, and kept if the cache can be written."""
         details = {"dispatcher": self, "args": arguments, "return_type": return_type}
         with self._compiling_counter, events.trigger_event("numba:compile", data=details):
-            result = self._compiler.compiled_as(number, entry, arguments, return_type)
+            result = self._compiler.compile_as(number, entry, arguments, return_type)
         if self.noinline:
             self.targetctx.remove_user_function(result.entry_point)
             self.targetctx.insert_user_function(result.entry_point, result.fndesc, ())
@@ -211,7 +211,7 @@ class Kernel(CPUDispatcher):
         if not self.is_kept:
             return uuid4().hex + uuid4().hex
         told = (
-            kind, self.noinline, sorted(self.targetoptions.items()), _told(arguments), str(return_type),
+            kind, self.noinline, sorted(self.targetoptions.items()), _type_name(arguments), str(return_type),
             source_stamp(self.file), numba.__version__, llvmlite.__version__,
             sys.version, self.targetctx.codegen().magic_tuple(), [str(getattr(config, name)) for name in SETTINGS],
         )  # fmt: skip
@@ -239,20 +239,20 @@ def _no_blas() -> None:
     raise ImportError
 
 
-def _named(module: str, qualname: str) -> Kernel:
+def _kernel_named(module: str, qualname: str) -> Kernel:
     """The kernel of this name."""
     return getattr(import_module(module), qualname)
 
 
-def _told(kind: Any) -> str:
+def _type_name(kind: Any) -> str:
     """A type's name, with what numba leaves out of it: of which class a named tuple is."""
     if isinstance(kind, tuple):
-        return ", ".join(map(_told, kind))
+        return ", ".join(map(_type_name, kind))
     if isinstance(kind, Reference):
-        return f"Reference({_told(kind.dtype)})"
+        return f"Reference({_type_name(kind.dtype)})"
     if isinstance(kind, types.BaseNamedTuple):
         made = kind.instance_class
-        return f"{made.__module__}.{made.__qualname__}{made._fields}({_told(tuple(kind))})"
+        return f"{made.__module__}.{made.__qualname__}{made._fields}({_type_name(tuple(kind))})"
     if isinstance(kind, types.BaseTuple):
-        return f"({_told(tuple(kind))})"
+        return f"({_type_name(tuple(kind))})"
     return str(kind)

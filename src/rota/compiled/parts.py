@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 
-from rota.compiled.code_cache import claimed
+from rota.compiled.code_cache import claim
 
 Part = Callable[[], None]  # a function that compiles something; it is told from others by its name
 
@@ -18,7 +18,7 @@ def compile_parts(parts: Sequence[Part], tell: Callable[[float, str], None] | No
     for k, part in enumerate(parts):
         if tell is not None:
             tell(k / len(parts), f"compiling {part.__name__}")
-        with claimed(_number(part)) as mine:
+        with claim(_number(part)) as mine:
             if mine:
                 part()
 

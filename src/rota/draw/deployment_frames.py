@@ -8,7 +8,7 @@ from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from rota.draw.deployment_maps import COVERED_ALPHA, covered_colour, filled
+from rota.draw.deployment_maps import COVERED_ALPHA, covered_colour, path_of
 from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
@@ -67,7 +67,7 @@ class DeploymentFrames(FilmFrames):
             for robot, place in zip(self._robots, places, strict=True)
             if robot.joins_s <= time_s and (robot.leaves_s is None or time_s < robot.leaves_s)
         ]
-        self._views.set_paths([filled(disc) for disc in discs])
+        self._views.set_paths([path_of(disc) for disc in discs])
         self._share = shapely.union_all(discs).intersection(self._free).area / self._free.area
 
     def _move(self, time_s: float, age: Floats) -> None:

@@ -39,7 +39,7 @@ def is_deployment(plan: Plan) -> bool:
     return not asked and len(plan.trajectories) > 0 and all(not t.loop_duration_s for t in plan)
 
 
-def filled(shape: BaseGeometry) -> Path:
+def path_of(shape: BaseGeometry) -> Path:
     """A shape as a path; lines and points that an intersection leaves behind are dropped."""
     polygons = polygons_of(shape)
     return Path(np.empty((0, 2))) if polygons.is_empty else outline(polygons)
@@ -117,7 +117,7 @@ def draw_range(plan: Plan, ax: Axes) -> None:
     places, robots = ends_m(plan), [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
     last = [trajectory.positions_m[-1] for trajectory in plan]
     seeing = [(robot, place) for robot, place in zip(robots, last, strict=True) if robot.leaves_s is None]
-    paths = [filled(range_from(robot.sensor, place)) for robot, place in seeing]
+    paths = [path_of(range_from(robot.sensor, place)) for robot, place in seeing]
     width = 0.3 if len(paths) > NUMBERED_ROBOTS else 0.7
     discs = PathCollection(paths, facecolors=to_rgba(COVERED, COVERED_ALPHA), edgecolors="none", zorder=1.3)
     line = to_rgba(COVERED_EDGE, 0.8)

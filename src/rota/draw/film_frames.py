@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from rota.cells.cell_map import cell_map_of, neighbours
-from rota.draw.deployment_maps import filled
+from rota.draw.deployment_maps import path_of
 from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
@@ -156,9 +156,9 @@ class FilmFrames:
         """What is seen now, and the time since each cell was seen in periods (rows, columns)."""
         # where it was not seen yet: below the scale, which has a colour of its own
         self._image.set_data(np.ma.masked_invalid(np.where(np.isinf(age), -1.0, age).ravel()[self._shown]))
-        self._views.set_paths([filled(shape) for shape in self._sightings.footprints(time_s)])
+        self._views.set_paths([path_of(shape) for shape in self._sightings.footprints(time_s)])
 
-    def _drawn(self) -> Frame:
+    def _draw_frame(self) -> Frame:
         self._canvas.restore_region(self._background)  # type: ignore[no-untyped-call]
         for artist in self._moving:
             self._ax.draw_artist(artist)
@@ -176,7 +176,7 @@ class FilmFrames:
         drawn = []
         for ages in (np.linspace(-0.1, 1.1, cells.size).reshape(cells.shape), np.zeros_like(cells)):
             self._move(TRAIL_FILM_S * self._speedup, ages)
-            drawn.append(self._drawn())
+            drawn.append(self._draw_frame())
         return np.concatenate(drawn)
 
     def frames(self, times_s: Floats) -> Iterator[Frame]:
@@ -185,7 +185,7 @@ class FilmFrames:
         for time_s in map(float, times_s):
             self._move(time_s, self._ages(before_s, time_s))
             before_s = time_s
-            yield self._drawn()
+            yield self._draw_frame()
 
     def _ages(self, before_s: float, time_s: float) -> Floats:
         """Time since each cell was seen in periods (rows, columns), after seeing what is seen between two times."""

@@ -41,7 +41,7 @@ def outline(shape: MultiPolygon) -> Path:
     return Path.make_compound_path(*(Path(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
 
 
-def asked(period_s: float | None, demand: str) -> str:
+def demand_in_words(period_s: float | None, demand: str) -> str:
     """What a place asks, in a few words: ``8 s``, ``visit 8 s`` or ``nothing asked``."""
     if period_s is None:
         return "nothing asked"
@@ -132,7 +132,11 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
 def zone_legend(mission: Mission) -> list[Patch]:
     """Legend entries for the zones, by their tints, with what they ask; for maps on which labels would hide much."""
     return [
-        Patch(facecolor=tint, edgecolor=ZONE_EDGE, label=f"{plain(zone.name, 28)}, {asked(zone.period_s, zone.demand)}")
+        Patch(
+            facecolor=tint,
+            edgecolor=ZONE_EDGE,
+            label=f"{plain(zone.name, 28)}, {demand_in_words(zone.period_s, zone.demand)}",
+        )
         for zone, tint in zip(mission.zones, _zone_tints(mission), strict=True)
     ]
 

@@ -14,7 +14,7 @@ from rota.draw.mission_picture import plain, points_per_metre
 from rota.draw.palette import ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of
 from rota.model.plan import Plan
-from rota.planning.plan_summary import rounded
+from rota.planning.plan_summary import round_off
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def route_label(plan: Plan, route: Route) -> str:
     who = name if numbered else f"{_numbers(route.robots)}  {name}"
     if not route.duration_s:
         return f"{who}: stays"
-    return f"{who}: {rounded(route.length_m)} m, {rounded(route.duration_s)} s"
+    return f"{who}: {round_off(route.length_m)} m, {round_off(route.duration_s)} s"
 
 
 def _line_width_pt(plan: Plan, routes: tuple[Route, ...], scale: float) -> float:
@@ -159,7 +159,7 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
 def brief_label(route: Route) -> str:
     """A loop's line in a narrow legend: numbers of its robots as on their marks, whole metres, and seconds."""
     return f"{_numbers(route.robots)}: " + (
-        f"{route.length_m:,.0f} m, {rounded(route.duration_s)} s" if route.duration_s else "stays"
+        f"{route.length_m:,.0f} m, {round_off(route.duration_s)} s" if route.duration_s else "stays"
     )
 
 

@@ -16,7 +16,7 @@ from rota.draw.mission_picture import plain
 from rota.draw.palette import OVER_PERIOD, route_style
 from rota.draw.two_maps import DPI
 from rota.files.atomic_write import replaced_file
-from rota.sweep.summary import Summary, measures_of, shown
+from rota.sweep.summary import Summary, measures_of, show_value
 
 TITLES = {
     "robots": "robots", "length_m": "length of all loops, m", "coverage": "share covered", "cpu_s": "CPU time, s",
@@ -107,7 +107,12 @@ def field_figure(found: Sequence[Summary], field: str) -> Figure:
     for each in found:
         if each.means and isinstance(each.settings.get(field), int | float):
             others = {path: value for path, value in each.settings.items() if path != field}
-            named = [each.mission, each.planner, each.effort or "", *(f"{p} {shown(v)}" for p, v in others.items())]
+            named = [
+                each.mission,
+                each.planner,
+                each.effort or "",
+                *(f"{p} {show_value(v)}" for p, v in others.items()),
+            ]
             lines.setdefault(", ".join(filter(None, named)), []).append(each)
     numbers = [each.settings[field] for line in lines.values() for each in line]
     apart = 0.012 * (max(numbers) - min(numbers))  # so that whiskers of several lines can be told apart

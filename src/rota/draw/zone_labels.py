@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, box, maximum_inscribed_circle
 from shapely.geometry.base import BaseGeometry
 
-from rota.draw.mission_picture import FONT_PT, asked, plain, points_per_metre
+from rota.draw.mission_picture import FONT_PT, demand_in_words, plain, points_per_metre
 from rota.draw.palette import ZONE_EDGE
 from rota.draw.routes import Route
 from rota.model.mission import Mission, Zone
@@ -75,7 +75,7 @@ def _away_costs(spots: list[Polygon], shape: Polygon, elsewhere: BaseGeometry, b
 
 
 def _label(zone: Zone, ax: Axes, *, brief: bool) -> Text:
-    told = asked(zone.period_s, zone.demand)
+    told = demand_in_words(zone.period_s, zone.demand)
     if zone.importance is not None:
         worth = f"importance {zone.importance:.3g}"
         told = worth if zone.period_s is None else f"{told}, {worth}"

@@ -18,7 +18,7 @@ _placed: WeakKeyDictionary[Executor, tuple[Any, Any]] = WeakKeyDictionary()
 _placing = Lock()  # several threads begin with the same value at once
 
 
-def submitted_with(
+def submit_with(
     executor: Executor, large: Any, function: Callable[..., Result], *arguments: Any, **named: Any
 ) -> Future[Result]:
     """The future of ``function(large, *arguments, **named)``; all of them must be picklable.
@@ -28,14 +28,14 @@ def submitted_with(
     call = pickle.dumps((function, arguments, named), protocol=pickle.HIGHEST_PROTOCOL)
     client = getattr(executor, "_client", None)
     if client is None:
-        return executor.submit(_called, large, call)
+        return executor.submit(_call, large, call)
     with _placing:
         known = _placed.get(executor)
         if known is None or known[0] is not large:
             content = pickle.dumps(large, protocol=pickle.HIGHEST_PROTOCOL)
             # a call, since a worker that is lost takes values with it that no call makes again
             known = _placed[executor] = (large, client.submit(pickle.loads, content, pure=False))
-    return executor.submit(_called, known[1], call)
+    return executor.submit(_call, known[1], call)
 
 
 def answer_of(future: Future[Result]) -> Result:
@@ -53,6 +53,6 @@ def answer_of(future: Future[Result]) -> Result:
         raise RotaError(f"workers of the cluster were lost: {error}") from error
 
 
-def _called(large: Any, call: bytes) -> Any:
+def _call(large: Any, call: bytes) -> Any:
     function, arguments, named = pickle.loads(call)
     return function(large, *arguments, **named)

@@ -101,20 +101,20 @@ class LocalProcesses(Executor):
         worker: _Worker | None = None
         while (call := self._calls.get()) is not None:
             if call.future.set_running_or_notify_cancel():
-                worker = self._done(call, worker)
+                worker = self._do(call, worker)
             with self._lock:
                 self._unfinished -= 1
         if worker is not None:
             worker.end()
             self._forget(worker)
 
-    def _done(self, call: _Call, worker: _Worker | None) -> _Worker | None:
+    def _do(self, call: _Call, worker: _Worker | None) -> _Worker | None:
         """Do a call; returns the process that did it, None where it is gone."""
         ends: list[str] = []
         while len(ends) < MOST_DEATHS and not self._killed:
             try:
-                worker = worker or self._started()
-                well, value = pickle.loads(worker.asked(call.content))
+                worker = worker or self._start_worker()
+                well, value = pickle.loads(worker.ask(call.content))
             except _Gone as gone:
                 ends.append(str(gone))
                 if worker is not None:
@@ -132,7 +132,7 @@ class LocalProcesses(Executor):
         call.future.set_exception(WorkerDied(why))
         return None
 
-    def _started(self) -> _Worker:
+    def _start_worker(self) -> _Worker:
         worker = _Worker(self._environment)
         with self._lock:
             self._workers.add(worker)
@@ -169,7 +169,7 @@ class _Worker:
         """The process's number."""
         return self._process.pid
 
-    def asked(self, content: bytes) -> bytes:
+    def ask(self, content: bytes) -> bytes:
         """The answer to a call; _Gone when the process ends before it."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -182,7 +182,7 @@ class _Worker:
             answer = read_message(self._process.stdout)  # type: ignore[arg-type]
         if answer is None:
             self.end()
-            raise _Gone(ended_by(self._process.returncode))
+            raise _Gone(exit_in_words(self._process.returncode))
         return answer
 
     def end(self) -> None:
@@ -201,6 +201,6 @@ class _Worker:
         self._process.wait()
 
 
-def ended_by(code: int) -> str:
+def exit_in_words(code: int) -> str:
     """The exit status of a process, in words."""
     return f"exit status {code}" if code >= 0 else signal.Signals(-code).name

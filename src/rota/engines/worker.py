@@ -51,7 +51,7 @@ def main() -> None:
     threading.Thread(target=_listen, args=(sys.stdin.buffer, inbox), daemon=True).start()
     sys.path[:] = pickle.loads(inbox.get())
     while True:
-        answer = answered(inbox.get())
+        answer = answer_call(inbox.get())
         try:
             write_message(answers, answer)
         except OSError:
@@ -67,7 +67,7 @@ def _listen(stream: BinaryIO, inbox: queue.SimpleQueue[bytes]) -> None:
     os._exit(0)
 
 
-def answered(content: bytes) -> bytes:
+def answer_call(content: bytes) -> bytes:
     """The answer to one call."""
     try:
         function, arguments, named = pickle.loads(content)

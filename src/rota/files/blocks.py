@@ -123,7 +123,7 @@ def _tagged_block(kinds: Iterable[Field], form: Form) -> Block:
                 )
                 yield (item,), f"does not belong to a {name} sensor; {instead}"
 
-    def made(**values: Any) -> Any:
+    def make_tagged(**values: Any) -> Any:
         """The one that the key names."""
         kind = named[values.pop(key)]
         return kind(**{name: value for name, value in values.items() if value is not None})
@@ -135,7 +135,7 @@ def _tagged_block(kinds: Iterable[Field], form: Form) -> Block:
         meaning="What a robot sees round itself.",
         fields=(tag, *free),
         rules=rules,
-        makes=made,
+        makes=make_tagged,
         says={
             "oneOf": [
                 {
@@ -189,14 +189,14 @@ def _block_value(block: Block, data: Any, place: Place, faults: list[Fault]) -> 
             faults.append(Fault((*place, key), f"unknown key; {nearest_key(str(key), known)}", at_key=True))
     told = list(block.rules(data))
     if block.settings is not None and not unclear:
-        told += [*block.settings.contradictions(values), *block.settings.unused(values)]
+        told += [*block.settings.contradictions(values), *block.settings.useless_values(values)]
     faults += [Fault((*place, *where), message) for where, message in told]
     if block.makes is None or len(faults) > before:
         return values
-    return _made(block.makes, values, place, faults)
+    return _make(block.makes, values, place, faults)
 
 
-def _made(makes: Callable[..., Any], values: dict[str, Any], place: Place, faults: list[Fault]) -> Any:
+def _make(makes: Callable[..., Any], values: dict[str, Any], place: Place, faults: list[Fault]) -> Any:
     """What is made of values; None where they make nothing. Adds to ``faults``."""
     try:
         return makes(**values)
@@ -233,7 +233,7 @@ def _value(item: Field, value: Any, place: Place, faults: list[Fault]) -> Any:
         faults.append(Fault(place, wrong))
         return None
     if (reads := item.reads) is not None:
-        return _made(lambda given: reads(given), {"given": entries}, place, faults)
+        return _make(lambda given: reads(given), {"given": entries}, place, faults)
     return () if item.word is not None and value == item.word else tuples_of(item, entries)
 
 
@@ -243,13 +243,13 @@ def nearest_key(key: str, known: list[str]) -> str:
     return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
 
 
-def positioned(document: Document, faults: Iterable[Fault]) -> list[str]:
+def lines_of_faults(document: Document, faults: Iterable[Fault]) -> list[str]:
     """One line ``file:line:column: path.to.field: message`` per fault, in the file's order, none twice."""
     ordered = sorted(faults, key=lambda fault: document.position(fault.place, key=fault.at_key))
     return list(dict.fromkeys(document.line(fault.place, fault.message, key=fault.at_key) for fault in ordered))
 
 
-def made(kind: type[Made], /, **values: Any) -> Made:
+def make(kind: type[Made], /, **values: Any) -> Made:
     """A dataclass of the values that a file gives; a robot that does not say something has the usual value of it."""
     told = dict(values)
     for item in fields_of(kind):

@@ -79,7 +79,7 @@ def stretches_of(trajectory: Trajectory) -> tuple[Stretch, ...]:
     return tuple(stretches)
 
 
-def turned(angle_rad: float) -> float:
+def angle_turned(angle_rad: float) -> float:
     """The angle in -pi..pi; half a turn is one to the left."""
     angle = math.remainder(angle_rad, 2 * math.pi)
     return math.pi if angle <= -math.pi + SAME_RAD else angle
@@ -193,7 +193,7 @@ class Surroundings:
         if not now.stays:
             return np.asarray(now.begin_m + (time_s - now.begin_s) * now.velocity_m_s), now.velocity_m_s
         tried = 0 < k < len(course) - 1 and time_s < now.begin_s + self._step_s / 2
-        if not tried or abs(turned(course[k + 1].heading_rad - course[k - 1].heading_rad)) <= SAME_RAD:
+        if not tried or abs(angle_turned(course[k + 1].heading_rad - course[k - 1].heading_rad)) <= SAME_RAD:
             return now.begin_m, np.zeros(2)
         heading = course[k - 1].heading_rad
         speed_m_s = self._move_m(heading) / self._step_s

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rota.errors import PlanError
-from rota.files.create2_course import SAME_RAD, Contact, Stretch, Surroundings, stretches_of, turned
+from rota.files.create2_course import SAME_RAD, Contact, Stretch, Surroundings, angle_turned, stretches_of
 from rota.files.create2_driven import Driven, touching_legs
 from rota.model.mission import Place
 from rota.model.plan import Plan, Trajectory
@@ -93,15 +93,15 @@ def drives_of(plan: Plan, *, most_slowing: float = MOST_SLOWING) -> tuple[Drive,
     wheels_m_s = [turning_speed_m_s(plan, trajectory) for trajectory in plan.trajectories]
     for meetings in (True, False):
         drives = tuple(
-            _drive(t, w, [_as_planned(way, wheels, meetings=meetings) for way in w.ways], wheels, 1.0)
+            _drive(t, w, [_leg_as_planned(way, wheels, meetings=meetings) for way in w.ways], wheels, 1.0)
             for t, w, wheels in zip(plan.trajectories, ways, wheels_m_s, strict=True)
         )
         legs = [leg for drive in drives for leg in drive.legs]
         in_time = all(leg.spare_s >= -1e-9 or abs(leg.turn_rad) <= SAME_RAD for leg in legs)
         possible = all(SLOWEST_M_S <= leg.speed_m_s <= FASTEST_M_S for leg in legs)
-        if in_time and possible and not touching_legs([driven(drive) for drive in drives], 2 * BODY_RADIUS_M):
+        if in_time and possible and not touching_legs([motion_of(drive) for drive in drives], 2 * BODY_RADIUS_M):
             return drives
-    return _slowed(plan, ways, wheels_m_s, most_slowing)
+    return _slow_down(plan, ways, wheels_m_s, most_slowing)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +166,7 @@ def _ways(
         pause = course[at + 1] if at + 1 < len(course) and course[at + 1].stays else None
         at += 1 if pause is None else 2
         following = course[at] if at < len(course) else None
-        turn_rad = 0.0 if following is None else turned(following.heading_rad - way.heading_rad)
+        turn_rad = 0.0 if following is None else angle_turned(following.heading_rad - way.heading_rad)
         turns = pause is not None and abs(turn_rad) > SAME_RAD
         ways.append(
             _Way(
@@ -198,7 +198,7 @@ def _drive(trajectory: Trajectory, ways: _Ways, legs: list[Leg], wheels_m_s: flo
     )
 
 
-def _as_planned(way: _Way, wheels_m_s: float, *, meetings: bool) -> Leg:
+def _leg_as_planned(way: _Way, wheels_m_s: float, *, meetings: bool) -> Leg:
     """The leg at the plan's speed, in whole millimetres per second."""
     contact = way.contact if meetings or way.contact is None or not way.contact.of_robots else None
     return _leg(way, contact, _planned_mm_s(way), wheels_m_s, 1.0)
@@ -242,7 +242,7 @@ def _beside_driving_s(way: _Way, contact: Contact | None, wheels_m_s: float) -> 
 # ---------------------------------------------------------------- slower clocks, faster legs
 
 
-def _slowed(plan: Plan, ways: tuple[_Ways, ...], wheels_m_s: list[float], most_slowing: float) -> tuple[Drive, ...]:
+def _slow_down(plan: Plan, ways: tuple[_Ways, ...], wheels_m_s: list[float], most_slowing: float) -> tuple[Drive, ...]:
     """Drives on a slower clock, in which no robot meets another on purpose."""
     fastest_mm_s = [
         max(math.floor(1e3 * min(plan.mission.fleet.robot(t.robot).speed_m_s, FASTEST_M_S) + 1e-6), 20)
@@ -268,7 +268,7 @@ def _slowed(plan: Plan, ways: tuple[_Ways, ...], wheels_m_s: list[float], most_s
             )
             for number, (trajectory, own) in enumerate(zip(plan.trajectories, ways, strict=True))
         )  # fmt: skip
-        touching = touching_legs([driven(drive) for drive in drives], 2 * BODY_RADIUS_M)
+        touching = touching_legs([motion_of(drive) for drive in drives], 2 * BODY_RADIUS_M)
         if not touching:
             return drives
         if touching <= by_clock:
@@ -324,7 +324,7 @@ def _leg_in_time(way: _Way, contact: Contact | None, fastest_mm_s: int, wheels_m
     return _leg(way, contact, speed_mm_s, wheels_m_s, slowing)
 
 
-def driven(drive: Drive) -> Driven:
+def motion_of(drive: Drive) -> Driven:
     """How the robot's centre moves as it drives, contacts included."""
     times_s, places_m, legs = [0.0], [drive.legs[0].start_m], [0]
     for k, leg in enumerate(drive.legs):

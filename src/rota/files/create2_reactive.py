@@ -10,7 +10,7 @@ import math
 import os
 from pathlib import Path
 
-from rota.files.create2_course import turned
+from rota.files.create2_course import angle_turned
 from rota.files.create2_legs import BACK_OFF_SPEED_M_S, FASTEST_M_S, require_bouncing, turning_speed_m_s
 from rota.files.create2_sketch import one_line, sketch_of, write_sketches
 from rota.model.mission import Mission
@@ -53,6 +53,6 @@ def _text(mission: Mission, robot: str, angle_deg: float, turn_m_s: float, cover
         BACK_OFF_MM_S=str(round(BACK_OFF_SPEED_M_S * 1e3)),
         TURN_MM_S=str(round(turn_m_s * 1e3)),
         SPEED_MM_S=str(round(speed_m_s * 1e3)),
-        ANGLE_TENTHS=str(round(math.degrees(turned(math.radians(angle_deg))) * 10)),
+        ANGLE_TENTHS=str(round(math.degrees(angle_turned(math.radians(angle_deg))) * 10)),
         LONGEST_MS=str(round(longest_s * 1e3)),
     )

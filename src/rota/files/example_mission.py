@@ -66,7 +66,7 @@ def _lines(block: Block, shown: dict[str, Any], indent: str) -> Iterator[str]:
         inner, value = _inner(item), shown.get(item.name)
         if item.name not in shown:
             if item.name not in planner_names():
-                yield from _left_out(item, indent)
+                yield from _leave_out(item, indent)
             continue
         if isinstance(value, dict) and inner is not None and "shape" not in value:
             yield from ["", *_with_comment(f"{indent}{item.name}:", item.meaning)]
@@ -90,10 +90,10 @@ def _choices(item: Field, inner: Block, indent: str, value: Any) -> Iterator[str
         yield f"{indent}# {'of each in a list' if item.name == 'robots' else 'or a block of'}:"
     for each in inner.fields:
         if each.name not in known and not each.as_fleet:
-            yield from _left_out(each, indent)
+            yield from _leave_out(each, indent)
 
 
-def _left_out(item: Field, indent: str) -> Iterator[str]:
+def _leave_out(item: Field, indent: str) -> Iterator[str]:
     """A field behind a #, with its default or another value."""
     usual, inner = None if item.default is REQUIRED else item.default, _inner(item)
     value = INSTEAD.get(item.name, usual) if usual in (None, ()) else usual

@@ -18,7 +18,7 @@ from rota.files.json_text import unique_keys
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, ring_fault
 from rota.model.polygons import polygons_of
-from rota.model.refusals import shortened, shown
+from rota.model.refusals import shorten, show_value
 
 _MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")
@@ -84,7 +84,7 @@ def feature_name(properties: dict[str, Any]) -> str | None:
         value = properties.get(key)
         if isinstance(value, str | int) and not isinstance(value, bool) and str(value):
             if any(0xD800 <= ord(letter) < 0xE000 for letter in str(value)):
-                raise MissionError(f"{key} {shortened(ascii(value))} holds half a character; whole ones are needed")
+                raise MissionError(f"{key} {shorten(ascii(value))} holds half a character; whole ones are needed")
             return str(value)
     return None
 
@@ -171,7 +171,7 @@ def _polygons(geometry: Any) -> Iterator[Any]:
             raise MissionError(f"{kind} without a list of coordinates")
         yield from [coordinates] if kind == "Polygon" else coordinates
     elif kind not in ("Point", "MultiPoint", "LineString", "MultiLineString"):
-        raise MissionError(f"{shown(kind)} is no geometry type; a Polygon or MultiPolygon is needed")
+        raise MissionError(f"{show_value(kind)} is no geometry type; a Polygon or MultiPolygon is needed")
 
 
 def _polygon(rings: Any) -> Polygon:
@@ -191,7 +191,7 @@ def _ring(points: Any) -> list[tuple[float, float]]:
     for point in points:
         numbers = isinstance(point, list) and len(point) >= 2 and all(_is_number(value) for value in point[:2])
         if not numbers:
-            raise MissionError(f"{shown(point)} is no position [longitude, latitude]")
+            raise MissionError(f"{show_value(point)} is no position [longitude, latitude]")
     ring = open_ring([(float(point[0]), float(point[1])) for point in points])
     if ring:
         require_degrees(*np.array(ring).T)

@@ -54,16 +54,16 @@ def _add_ground(document: Element, plan: Plan, projection: Projection) -> None:
     mission = plan.mission
     ground = child(document, "Folder")
     child(ground, "name", "ground")
-    _add_shape(ground, "area", mission.name, _asked(mission.period_s), mission.area, projection)
+    _add_shape(ground, "area", mission.name, _demand_in_words(mission.period_s), mission.area, projection)
     for number, obstacle in enumerate(mission.obstacles, start=1):
         what = {"both": "motion and sight"}.get(obstacle.blocks, obstacle.blocks)
         what += "" if obstacle.asks == "all" else ", nothing is asked under it"
         _add_shape(ground, "obstacle", f"obstacle {number}", f"blocks {what}", obstacle.shape, projection)
     for zone in mission.zones:
-        _add_shape(ground, "zone", zone.name, _asked(zone.period_s), zone.shape, projection)
+        _add_shape(ground, "zone", zone.name, _demand_in_words(zone.period_s), zone.shape, projection)
 
 
-def _asked(period_s: float | None) -> str:
+def _demand_in_words(period_s: float | None) -> str:
     return "nothing is asked here" if period_s is None else f"period {period_s:g} s"
 
 

@@ -89,12 +89,12 @@ def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.floa
                 return np.asarray(image, dtype=np.float64) * (255 / 65535)
             has_alpha = "A" in image.mode or "transparency" in image.info
             channels = 4 if has_alpha and alpha_counts else 3
-            return _averaged(image, "RGBA" if has_alpha else "RGB", channels)
+            return _average(image, "RGBA" if has_alpha else "RGB", channels)
     except (OSError, SyntaxError, ValueError, KeyError, IndexError, struct.error) as error:
         raise MissionError(f"{path}: damaged PNG: {error}") from None
 
 
-def _averaged(image: Image.Image, mode: str, channels: int) -> NDArray[np.float64]:
+def _average(image: Image.Image, mode: str, channels: int) -> NDArray[np.float64]:
     """The mean of an image's first channels in a mode, strip by strip: eight bytes a channel would not fit."""
     columns, rows = image.size
     mean = np.empty((rows, columns))

@@ -56,7 +56,7 @@ def _of_key(key: str, before: Any, after: Any) -> Iterator[str]:
 
 def _of_entries(single: str, before: list[Any], after: list[Any]) -> Iterator[str]:
     """Entries that were changed, taken away or added."""
-    old, new = _without_renamed(_named(before), _named(after))
+    old, new = _without_renamed(_entries_by_name(before), _entries_by_name(after))
     for name in old:
         if name in new:
             yield from _of_entry(f"{single} {name}", old[name], new[name])
@@ -69,7 +69,7 @@ def _of_entries(single: str, before: list[Any], after: list[Any]) -> Iterator[st
             yield f"{count} {single}{'s' * (count > 1)} {what}"
 
 
-def _named(entries: list[Any]) -> dict[str, Json]:
+def _entries_by_name(entries: list[Any]) -> dict[str, Json]:
     """The entries that have a name of their own."""
     names = [entry["name"] for entry in entries if isinstance(entry, dict) and isinstance(entry.get("name"), str)]
     return {
@@ -92,7 +92,7 @@ def _without_renamed(old: dict[str, Json], new: dict[str, Json]) -> tuple[dict[s
 
 def _nameless(entries: list[Any], others: list[Any]) -> int:
     """How many entries without a name of their own are not among the others."""
-    named = list(_named(entries).values())
+    named = list(_entries_by_name(entries).values())
     return sum(entry not in named and entry not in others for entry in entries)
 
 
@@ -114,7 +114,7 @@ def _of_value(what: str, unit: str, before: Any, after: Any) -> Iterator[str]:
     elif isinstance(before, dict | list) or isinstance(after, dict | list):
         yield f"{what} changed"
     else:
-        was, is_now = (f"{_shown(value)}{unit if _is_number(value) else ''}" for value in (before, after))
+        was, is_now = (f"{_show(value)}{unit if _is_number(value) else ''}" for value in (before, after))
         both = _is_number(before) and _is_number(after)
         yield f"{what} {was.removesuffix(unit) if both else was} → {is_now}"
 
@@ -131,7 +131,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _shown(value: Any) -> str:
+def _show(value: Any) -> str:
     if value is None:
         return "none"
     return f"{value:.6g}" if _is_number(value) else str(value)[:60]

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 from shapely import MultiPolygon, unary_union
 
 from rota.errors import MissionError
-from rota.files.blocks import Fault, positioned, read_block
+from rota.files.blocks import Fault, lines_of_faults, read_block
 from rota.files.json_schema import file_schema
 from rota.files.local_file import read_text
 from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, listed_robots
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import mission_block
-from rota.files.mission_starts import fleet_at_its_starts, moved_in, moving_obstacles
+from rota.files.mission_starts import entrance_warnings, fleet_at_its_starts, moving_obstacles
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.model.fields import fields_of
 from rota.model.mission import (
@@ -82,14 +82,14 @@ def mission_of(
     document: Document, folder: Path, *, overrides: Mapping[str, Any] | None = None, confine: bool = False
 ) -> ReadMission:
     """The mission of a parsed file whose paths begin at ``folder``; for the rest as ``read_mission``."""
-    document = _overridden(document, overrides or {})
+    document = _override(document, overrides or {})
     judged = judge_document(document, folder, confine=confine)
     if judged.mission is None:
-        faults = positioned(document, judged.faults)
+        faults = lines_of_faults(document, judged.faults)
         raise MissionError(
             *(faults or (f"{document.name}: {contradiction}" for contradiction in judged.contradictions))
         )
-    return ReadMission(judged.mission, tuple(positioned(document, judged.warnings)))
+    return ReadMission(judged.mission, tuple(lines_of_faults(document, judged.warnings)))
 
 
 def judge_document(document: Document, folder: Path, *, confine: bool) -> JudgedDocument:
@@ -117,7 +117,7 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
         mission = _mission(file, ground)
     except MissionError as error:
         return JudgedDocument(None, ground, [], error.faults, warnings)
-    warnings += [*fleet_warnings(file["fleet"]), *_blind(mission), *moved_in(mission, file)]
+    warnings += [*fleet_warnings(file["fleet"]), *_blind(mission), *entrance_warnings(mission, file)]
     return JudgedDocument(mission, ground, [], (), warnings)
 
 
@@ -139,7 +139,7 @@ def mission_schema() -> dict[str, Any]:
     return file_schema(mission_block(), "Rota mission")
 
 
-def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
+def _override(document: Document, overrides: Mapping[str, Any]) -> Document:
     if not overrides or not isinstance(document.value, dict):
         return document
     value = deepcopy(document.value)
@@ -189,7 +189,7 @@ def _period_faults(file: Values, ground: Ground | None) -> list[Fault]:
 
 def _sensor_faults(file: Values, ground: Ground) -> list[Fault]:
     """Sensors so small that the demanded area would need more cells than memory and patience hold."""
-    demanded_m2 = _demanded(file, ground).area
+    demanded_m2 = _demanded_ground(file, ground).area
     least_m = CELLS_PER_REACH * math.sqrt(demanded_m2 / MOST_CELLS)
     sensors: list[tuple[Place, Sensor]] = [(("fleet", "sensor"), file["fleet"]["sensor"])]
     for k, robot in enumerate(listed_robots(file["fleet"])):
@@ -205,14 +205,14 @@ def _sensor_faults(file: Values, ground: Ground) -> list[Fault]:
         cells = demanded_m2 * CELLS_PER_REACH**2 / sensor.reach_m / sensor.reach_m
         message = (
             f"too small for {demanded_m2:.4g} m2 to watch: about {cells / 1e6:.3g} million cells would be needed, at "
-            f"most {MOST_CELLS / 1e6:.0f} million are possible; give {size} of at least {_rounded_up(least):.4g}, "
+            f"most {MOST_CELLS / 1e6:.0f} million are possible; give {size} of at least {_round_up(least):.4g}, "
             "or watch less"
         )
         faults.append(Fault(place, message))
     return faults
 
 
-def _demanded(file: Values, ground: Ground) -> MultiPolygon:
+def _demanded_ground(file: Values, ground: Ground) -> MultiPolygon:
     """Where something is asked: the smallest period rules where zones overlap, null asks nothing."""
     timed = unary_union([zone.shape for zone in ground.zones if zone.period_s is not None])
     if file.get("period_s") is not None:
@@ -221,7 +221,7 @@ def _demanded(file: Values, ground: Ground) -> MultiPolygon:
     return timed.difference(unary_union([obstacle.shape for obstacle in ground.obstacles if obstacle.hides_demand]))
 
 
-def _rounded_up(value: float) -> float:
+def _round_up(value: float) -> float:
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.ceil(value / unit) * unit
 
@@ -239,4 +239,4 @@ def _planning(file: Values) -> PlannerSettings:
     """The settings of the mission's planner."""
     typed_cell_m = file["area"].get("cell_m") if isinstance(file["area"], dict) else None
     planner = file.get("planner", DEFAULT)
-    return planner_named(planner).settings.written(file.get(planner) or {}, typed_cell_m)
+    return planner_named(planner).settings.from_file(file.get(planner) or {}, typed_cell_m)

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rota.files.blocks import Fault, made
+from rota.files.blocks import Fault, make
 from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
 from rota.model.fleet import TURNS_ONE_WAY, Abilities, Fleet, Robot
 from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
-from rota.model.refusals import shown
+from rota.model.refusals import show_value
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.presets import NONE, VEHICLES
 
@@ -50,11 +50,11 @@ def fleet_of(block: Values) -> Fleet:
     common = _driving(block, FLEET, None)
     robots: Any = block.get("robots", "fewest")
     if isinstance(robots, tuple):
-        robots = [made(Robot, **_unplaced(robot), **_driving(robot, FLEET, common).values) for robot in robots]
-    return made(Fleet, **{**_unplaced(block), "robots": robots}, **common.values)
+        robots = [make(Robot, **_without_places(robot), **_driving(robot, FLEET, common).values) for robot in robots]
+    return make(Fleet, **{**_without_places(block), "robots": robots}, **common.values)
 
 
-def _unplaced(block: Values) -> Values:
+def _without_places(block: Values) -> Values:
     """What a block gives beside what robots can do, without places, which are not in metres yet."""
     return {
         name: value for name, value in block.items() if name not in (*DRIVING, "start", "entrances", "rally_points")
@@ -116,7 +116,7 @@ def fleet_warnings(block: Values) -> list[Fault]:
     idle = "changes nothing without top_airspeed_m_s, the speed through the air that it is taken from"
     for one in _each(block):
         if one.values["wind_m_s"] and one.values["top_airspeed_m_s"] is None:
-            found.append(Fault(one.places["wind_m_s"], f"{_named('wind_m_s', one.places['wind_m_s'])}{idle}"))
+            found.append(Fault(one.places["wind_m_s"], f"{_whose('wind_m_s', one.places['wind_m_s'])}{idle}"))
     return list(dict.fromkeys(found))
 
 
@@ -142,23 +142,28 @@ def _driving_faults(driving: Driving) -> Iterator[Fault]:
     values, places, vehicle = driving.values, driving.places, driving.vehicle
     found = list(motion_faults(values)) or list(driving_faults(values))
     for name, allowed in found:
-        yield Fault(places[name], f"{_named(name, places[name])}{shown(values[name])} is not allowed; it {allowed}")
+        yield Fault(
+            places[name],
+            f"{_whose(name, places[name])}{show_value(values[name])} is not allowed; it {allowed}",
+        )
     if values["turn_radius_m"] and values["turn_rate_rad_s"] is not None:
-        yield Fault(places["turn_radius_m"], f"{shown(values['turn_radius_m'])} is not allowed; it {TURNS_ONE_WAY}")
+        yield Fault(
+            places["turn_radius_m"], f"{show_value(values['turn_radius_m'])} is not allowed; it {TURNS_ONE_WAY}"
+        )
     top = vehicle.top_speed_m_s
     if top is not None and values["speed_m_s"] > top.value:
         allowed = f"{vehicle.name} drives at most {top.value:.6g} m/s ({top.parameter}; {top.source})"
-        yield Fault(places["speed_m_s"], f"{shown(values['speed_m_s'])} is not allowed; {allowed}")
+        yield Fault(places["speed_m_s"], f"{show_value(values['speed_m_s'])} is not allowed; {allowed}")
     if vehicle.formats and vehicle.jerk_m_s3 is not None and values["jerk_m_s3"] is not None:
         own = f"its firmware's ({vehicle.jerk_m_s3.parameter}) in the mean, and at corners exceeds it"
         message = f"is not allowed; {vehicle.name} keeps {own}: leave it out, or the vehicle"
-        yield Fault(places["jerk_m_s3"], f"{shown(values['jerk_m_s3'])} {message}")
+        yield Fault(places["jerk_m_s3"], f"{show_value(values['jerk_m_s3'])} {message}")
     if not vehicle.flies:
         for name in ("climb_m_s", "descend_m_s", "top_airspeed_m_s"):
             if values[name] is not None:
                 yield Fault(places[name], f"{vehicle.name} keeps to the floor: remove it")
 
 
-def _named(name: str, place: Place) -> str:
+def _whose(name: str, place: Place) -> str:
     """A value's name where the place is another's, as a vehicle's is."""
     return "" if place[-1] == name else f"its {name} of "

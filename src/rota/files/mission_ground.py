@@ -15,7 +15,7 @@ from rota.files.geodesy import Projection, projection_for
 from rota.files.geojson_shapes import Feature
 from rota.files.importance_map import read_importance_map
 from rota.files.mission_schema import mission_field
-from rota.files.mission_shapes import Frame, Stop, features_of, given, shape_as_written, shape_in_metres, to_metres
+from rota.files.mission_shapes import Frame, Stop, features_of, gives, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import GapsError, InsideError, read_map
 from rota.files.raster_map import Site
 from rota.files.text_map import text_map
@@ -25,7 +25,7 @@ from rota.model.importance import ALLOWED, ImportanceMap
 from rota.model.limits import DURATION, LENGTH
 from rota.model.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 from rota.model.polygons import polygons_of
-from rota.model.refusals import shown
+from rota.model.refusals import show_value
 
 _SMALLEST_CUT = 1e-9  # relative: borders drawn along each other differ by rounding
 
@@ -68,7 +68,7 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
         return None
     frame = Frame(folder=folder, confine=confine, in_degrees=data.get("coordinates") == "wgs84")
     try:
-        frame = _placed(frame, entry, _valid(data, "origin"), noticed)
+        frame = _place(frame, entry, _valid(data, "origin"), noticed)
         area, obstacles = _area(frame, entry, noticed)
         if (fault := _extent_fault(area)) is not None:
             raise Stop(("area",), fault)
@@ -88,13 +88,13 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
 # ---------------------------------------------------------------- the area, and with it the frame
 
 
-def _placed(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) -> Frame:
+def _place(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) -> Frame:
     """The frame with its projection: about the given origin, or about the middle of an area in degrees."""
     if origin is not None and not frame.in_degrees:
         return replace(frame, projection=Projection(GeoPoint(**origin)))
-    if given(entry, "map") or given(entry, "text") or not (frame.in_degrees or given(entry, "geojson")):
+    if gives(entry, "map") or gives(entry, "text") or not (frame.in_degrees or gives(entry, "geojson")):
         return frame
-    if given(entry, "circle"):
+    if gives(entry, "circle"):
         x, y = entry["circle"]["centre"]
         bounds: Any = (x, y, x, y)
     else:
@@ -107,9 +107,9 @@ def _placed(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) -
 
 def _area(frame: Frame, entry: Any, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
     """The area, and the obstacles that come with it when it is the free part of a map."""
-    if given(entry, "map"):
+    if gives(entry, "map"):
         return _area_of_map(frame, entry, noticed)
-    if given(entry, "text"):
+    if gives(entry, "text"):
         return _area_of_text(frame, entry)
     return shape_in_metres(frame, ("area",), entry, noticed.warnings), []
 
@@ -167,8 +167,8 @@ def _importance(frame: Frame, data: dict[str, Any], site: Site, noticed: Noticed
     told = _valid(data, "importance")
     if not isinstance(told, dict):
         return None if told is None else float(told)
-    key = "values" if given(told, "values") else "map"
-    scale = (told["black"], told["white"]) if given(told, "black") and given(told, "white") else None
+    key = "values" if gives(told, "values") else "map"
+    scale = (told["black"], told["white"]) if gives(told, "black") and gives(told, "white") else None
     try:
         if key == "values":
             return ImportanceMap(**{item.name: told[item.name] for item in fields_of(ImportanceMap)})
@@ -212,7 +212,7 @@ def _zones_of(
     frame: Frame, place: Place, entry: Values, taken: set[str], noticed: Noticed
 ) -> Iterator[tuple[Place, Zone]]:
     """The zones of an entry, each with the place of its name: one with a shape, or those of a GeoJSON file."""
-    if given(entry, "geojson"):
+    if gives(entry, "geojson"):
         yield from _zones_of_file(frame, place, entry, taken, noticed)
         return
     shape = shape_in_metres(frame, place, entry, noticed.warnings)
@@ -224,7 +224,7 @@ def _zones_of_file(
 ) -> Iterator[tuple[Place, Zone]]:
     """One zone per feature of the GeoJSON file, with the place of its name; nameless ones get names not ``taken``."""
     features = features_of(frame, place, entry, noticed.warnings)
-    if given(entry, "name") and len(features) > 1:
+    if gives(entry, "name") and len(features) > 1:
         message = f"{len(features)} features cannot share one name; name them in the file, or pick one by feature"
         raise Stop((*place, "name"), message)
     named = {feature.name for feature in features} | taken
@@ -239,7 +239,7 @@ def _zones_of_file(
         yield source, Zone(**_own(Zone, entry) | told)
 
 
-def _called(feature: Feature) -> str:
+def _name_of(feature: Feature) -> str:
     return feature.where + (f" ({feature.name})" if feature.name else "")
 
 
@@ -248,7 +248,7 @@ def _feature_importance(place: Place, entry: Values, feature: Feature) -> float 
     told = feature.properties.get("importance", entry.get("importance"))
     value, wrong = read_field(mission_field("zones", "importance"), told)
     if wrong:
-        raise Stop(place, f"{_called(feature)} has importance {shown(told)}; {ALLOWED}")
+        raise Stop(place, f"{_name_of(feature)} has importance {show_value(told)}; {ALLOWED}")
     return None if value is None else float(value)
 
 
@@ -256,17 +256,17 @@ def _feature_demand(
     place: Place, entry: Values, feature: Feature, importance: float | None
 ) -> tuple[float | None, Demand]:
     """Period and demand of a feature: its own properties, or else those beside the file's name."""
-    where, periodic = _called(feature), "period_s" in feature.properties or "period_s" in entry
+    where, periodic = _name_of(feature), "period_s" in feature.properties or "period_s" in entry
     if not periodic and importance is None:
         raise Stop(place, f"{where} has no property period_s; give it one in the file, or period_s beside geojson")
     period = feature.properties.get("period_s", entry.get("period_s"))
     period_s, wrong = read_field(mission_field("zones", "period_s"), period)
     if wrong:
         allowed = f"a number of seconds from {DURATION[0]:g} to {DURATION[1]:.9g}, or null, is needed"
-        raise Stop(place, f"{where} has period_s {shown(period)}; {allowed}")
+        raise Stop(place, f"{where} has period_s {show_value(period)}; {allowed}")
     demand = feature.properties.get("demand", entry.get("demand", "every_point"))
     if demand not in ("every_point", "visit"):
-        raise Stop(place, f"{where} has demand {shown(demand)}; every_point or visit is needed")
+        raise Stop(place, f"{where} has demand {show_value(demand)}; every_point or visit is needed")
     return period_s, demand
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from shapely import MultiPolygon
 
-from rota.model.field_values import as_written
+from rota.model.field_values import in_file_form
 from rota.model.mission import Mission, Obstacle
 
 Json = dict[str, Any]
@@ -23,7 +23,7 @@ def mission_to_json(mission: Mission) -> Json:
 
 def block_to_json(block: Any) -> Json:
     """A part of a mission likewise."""
-    return as_written(block, lambda value: polygons_to_json(value) if isinstance(value, MultiPolygon) else value)
+    return in_file_form(block, lambda value: polygons_to_json(value) if isinstance(value, MultiPolygon) else value)
 
 
 def obstacle_to_json(obstacle: Obstacle) -> Json:

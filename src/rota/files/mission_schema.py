@@ -23,7 +23,7 @@ from rota.files.shape_schema import (
     Ring,
     Shape,
     area_faults,
-    given_of,
+    keys_with_values,
     one_of,
     rings_of,
     shape_faults,
@@ -31,7 +31,7 @@ from rota.files.shape_schema import (
 from rota.model.fields import REQUIRED, Field, field_of, fields_of, flat_fields_of
 from rota.model.fleet import ROBOTS_NEEDED, Abilities, Fleet, Robot, Start
 from rota.model.importance import IMPORTANCE, ImportanceMap
-from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refused
+from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refusals
 from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
 from rota.model.refusals import Where, fleet_blocks, inner
 from rota.planning.planner import loadable_planners, planner_named
@@ -110,7 +110,7 @@ def robot_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 def start_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     """Exactly one of box and points."""
-    if len(given_of(data, "box", "points")) != 1:
+    if len(keys_with_values(data, "box", "points")) != 1:
         yield (), "give exactly one of box and points"
 
 
@@ -130,10 +130,10 @@ def fleet_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 def importance_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     """Neither a map nor values, or both; values without their places, and one of black and white without the other."""
-    if len(given_of(data, "map", "values")) != 1:
+    if len(keys_with_values(data, "map", "values")) != 1:
         yield (), "give exactly one of map and values"
     for together in (("black", "white"), MAP_VALUES):
-        given = given_of(data, *together)
+        given = keys_with_values(data, *together)
         for missing in together if given else ():
             if missing not in given:
                 yield (missing,), f"is missing; it goes with {given[0]}"
@@ -164,7 +164,7 @@ def mission_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         for other in planner_names():
             if other != planner and data.get(other) is not None:
                 yield (other,), f"settings of another planner; planner is {planner}: remove this block"
-    yield from all_refused(planner_named(planner).settings if planner in planner_names() else None, data)
+    yield from all_refusals(planner_named(planner).settings if planner in planner_names() else None, data)
     zones = data.get("zones")
     for k, zone in enumerate(zones if isinstance(zones, list) and data.get("period_s") is not None else []):
         if inner(zone, "importance") is not None and not {"period_s", "geojson"} & set(zone):
@@ -182,14 +182,14 @@ def _blocks() -> dict[Any, Block | Field]:
     vehicle: dict[str, Any] = {"kind": "option", "options": tuple(VEHICLES), "count": None}
     vehicle["says"] = {"group": "motion", "presets": PRESETS}
 
-    def placed(kind: type[Any], *free: Field, rules: Any, says: Any) -> Block:
+    def placed_block(kind: type[Any], *free: Field, rules: Any, says: Any) -> Block:
         """What lies on the ground: a shape beside its other fields; those ``free`` need not be given."""
         given = {item.name: item for item in free}
         own = [given.pop(each.name, each) for each in fields_in(kind, "mission") if each.name != "shape"]
         fields = (*fields_in(Shape, "mission"), *given.values(), *own)
         return replace(block_of(kind, "mission", rules=rules, says=says), fields=fields)
 
-    def driven(kind: type[Any], **more: Any) -> Block:
+    def driving_block(kind: type[Any], **more: Any) -> Block:
         """What drives: a fleet or a robot, with the vehicles that are known."""
         block = block_of(kind, "mission", known, **more)
         return replace(
@@ -209,7 +209,7 @@ def _blocks() -> dict[Any, Block | Field]:
         ),
         MovingObstacle: block_of(MovingObstacle, "mission", rules=moving_faults),
         Start: block_of(Start, "mission", rules=start_faults, says=one_of(("box", "points"))),
-        Zone: placed(
+        Zone: placed_block(
             Zone,
             replace(zone["name"], needed=False, optional=True, default=None),
             replace(zone["period_s"], needed=False, default=None),
@@ -218,15 +218,15 @@ def _blocks() -> dict[Any, Block | Field]:
         ),
     }
     known[MultiPolygon] = field_in(forms["area"], "mission", known)
-    obstacle = placed(Obstacle, field_in(forms["name"], "mission"), rules=shape_faults, says=one_of(SOURCES))
+    obstacle = placed_block(Obstacle, field_in(forms["name"], "mission"), rules=shape_faults, says=one_of(SOURCES))
     known[Obstacle] = field_in(forms["obstacle"], "mission", {Obstacle: obstacle})
-    known[Robot] = driven(Robot, rules=robot_faults)
+    known[Robot] = driving_block(Robot, rules=robot_faults)
     known["robots"] = field_in(forms["robots"], "mission", known)
     with_speed = [
         {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},
         {"required": ["vehicle"], "properties": {"vehicle": {"enum": WITH_SPEED}}},
     ]
-    known[Fleet] = driven(Fleet, rules=fleet_faults, says={"anyOf": with_speed})
+    known[Fleet] = driving_block(Fleet, rules=fleet_faults, says={"anyOf": with_speed})
     return known
 
 
@@ -234,7 +234,7 @@ SETTINGS = Field(name="settings", kind="block", optional=True, default=None)
 
 
 @cache
-def _known() -> dict[Any, Block | Field]:
+def _known_blocks() -> dict[Any, Block | Field]:
     return _blocks()
 
 
@@ -251,7 +251,7 @@ def mission_block(data: object = None) -> Block:
 @cache
 def _mission_block(names: tuple[str, ...], known: tuple[str, ...]) -> Block:
     """The same, with a block for planners of these names, of all that are known."""
-    fields = [item for item in fields_in(Mission, "mission", _known()) if item.name != "planning"]
+    fields = [item for item in fields_in(Mission, "mission", _known_blocks()) if item.name != "planning"]
     planner = Field(name="planner", kind="option", options=known, default=DEFAULT)
     settings = [
         Field(

@@ -49,7 +49,7 @@ class Frame:
         return local_file(self.folder, name, confine_to=self.confine_to)
 
 
-def given(entry: Any, key: str) -> bool:
+def gives(entry: Any, key: str) -> bool:
     """Whether an entry of the file is a block that gives a value for the key."""
     return isinstance(entry, dict) and entry.get(key) is not None
 
@@ -64,7 +64,7 @@ class Written(NamedTuple):
 
 def shape_in_metres(frame: Frame, place: Place, entry: Any, warnings: list[Fault]) -> MultiPolygon:
     """The ring, block or file ``entry`` in local metres; raises Stop when it is no shape. Adds to ``warnings``."""
-    if given(entry, "circle"):
+    if gives(entry, "circle"):
         return _circle(frame, (*place, "circle"), entry["circle"])
     written = shape_as_written(frame, place, entry, warnings)
     return to_metres(frame, written.source, written.shape) if written.in_degrees else written.shape
@@ -72,10 +72,10 @@ def shape_in_metres(frame: Frame, place: Place, entry: Any, warnings: list[Fault
 
 def shape_as_written(frame: Frame, place: Place, entry: Any, warnings: list[Fault]) -> Written:
     """The ring, block or file ``entry``, no circle, as it is written; raises Stop. Adds to ``warnings``."""
-    if given(entry, "geojson"):
+    if gives(entry, "geojson"):
         features = features_of(frame, place, entry, warnings)
         return Written(polygons_of(unary_union([feature.shape for feature in features])), True, (*place, "geojson"))
-    if given(entry, "wkt"):
+    if gives(entry, "wkt"):
         return _on_ground(frame, (*place, "wkt"), shape_of_wkt(entry["wkt"]))
     place, outer, holes = _rings(place, entry)
     fault = polygon_fault(outer, holes)
@@ -128,7 +128,7 @@ def to_metres(frame: Frame, place: Place, degrees: MultiPolygon) -> MultiPolygon
 
 def _rings(place: Place, entry: Any) -> tuple[Place, Any, list[Any]]:
     """Where the rings of ``entry`` stand, the outer one, and its holes."""
-    if given(entry, "outer"):
+    if gives(entry, "outer"):
         return (*place, "outer"), entry["outer"], entry.get("holes") or []
     if isinstance(entry, dict):
         place, entry = (*place, "ring"), entry["ring"]

@@ -65,7 +65,7 @@ def fleet_at_its_starts(fleet: Fleet, file: Values, ground: Ground) -> tuple[Fle
     return placed, []
 
 
-def moved_in(mission: Mission, file: Values) -> list[Fault]:
+def entrance_warnings(mission: Mission, file: Values) -> list[Fault]:
     """A warning where no body fits at the point inside a map, so that robots come in elsewhere."""
     inside, entrances = _inside(file), mission.fleet.entrances
     if inside is None or entrances is None or entrances[0] == inside:

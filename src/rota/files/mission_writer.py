@@ -105,16 +105,16 @@ def _driving(block: Fleet | Robot) -> Json:
 def _zone(zone: Zone) -> Json:
     """A zone; null for a period says that nothing is asked there."""
     name = {"name": zone.name, "period_s": zone.period_s}
-    return {**name, **_placed(zone.shape), **_unlike_default(zone, "name", "period_s", "shape")}
+    return {**name, **_shape_keys(zone.shape), **_unlike_default(zone, "name", "period_s", "shape")}
 
 
 def _obstacle(obstacle: Obstacle) -> Any:
     """An obstacle, as its shape alone where it says nothing else."""
     told = _unlike_default(obstacle, "shape")
-    return {**_placed(obstacle.shape), **told} if told else _shape(obstacle.shape)
+    return {**_shape_keys(obstacle.shape), **told} if told else _shape(obstacle.shape)
 
 
-def _placed(shape: MultiPolygon) -> Json:
+def _shape_keys(shape: MultiPolygon) -> Json:
     """A shape as keys beside others."""
     written = _shape(shape)
     return written if isinstance(written, dict) else {"ring": written}

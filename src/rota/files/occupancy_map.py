@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, affinity, box
 
 from rota.errors import MissionError
-from rota.files.blocks import block_of, positioned, read_block
+from rota.files.blocks import block_of, lines_of_faults, read_block
 from rota.files.local_file import local_file, read_text
 from rota.files.map_image import read_brightness
 from rota.files.pixel_outline import straight_outline
@@ -113,7 +113,7 @@ def free_place(path: Path, *, confine_to: Path | None = None) -> tuple[float, fl
     largest = labels == np.bincount(labels[free]).argmax()
     away = ndimage.distance_transform_cdt(np.pad(largest, 1), metric="taxicab")[1:-1, 1:-1]
     row, column = np.unravel_index(int(away.argmax()), away.shape)
-    return _placed(sheet, float(column) + 0.5, float(row) + 0.5)
+    return _place(sheet, float(column) + 0.5, float(row) + 0.5)
 
 
 def _read_sheet(path: Path) -> MapFile:
@@ -123,7 +123,7 @@ def _read_sheet(path: Path) -> MapFile:
     # map files carry keys for other programs
     sheet, faults = read_block(block_of(MapFile, "mission", makes=MapFile, is_open=True), document.value)
     if faults:
-        raise MissionError(*positioned(document, faults))
+        raise MissionError(*lines_of_faults(document, faults))
     if sheet.free_thresh > sheet.occupied_thresh:
         message = f"{sheet.free_thresh} is above occupied_thresh {sheet.occupied_thresh}; it must not be"
         raise MissionError(document.line(("free_thresh",), message))
@@ -188,7 +188,7 @@ def _connected_part(path: Path, free: Pixels, point: tuple[float, float], sheet:
     above = np.maximum(np.abs(free_rows + 0.5 - point[1]) - 0.5, 0)
     distances = np.hypot(aside, above)
     nearest = int(distances.argmin())
-    x, y = _placed(sheet, free_columns[nearest] + 0.5, free_rows[nearest] + 0.5)
+    x, y = _place(sheet, free_columns[nearest] + 0.5, free_rows[nearest] + 0.5)
     what = f"lies in {blocked}" if on_sheet else f"lies off the map {path}"
     away_m = float(distances[nearest]) * sheet.resolution
     raise InsideError(f"{what}; the nearest free place is {away_m:.3g} m away, at [{x:.6g}, {y:.6g}]")
@@ -204,7 +204,7 @@ def _to_metres(sheet: MapFile, pixels: MultiPolygon) -> MultiPolygon:
     return polygons_of(affinity.affine_transform(pixels, _matrix(sheet)))
 
 
-def _placed(sheet: MapFile, column: float, row: float) -> tuple[float, float]:
+def _place(sheet: MapFile, column: float, row: float) -> tuple[float, float]:
     a, b, d, e, x, y = _matrix(sheet)
     return a * column + b * row + x, d * column + e * row + y
 

@@ -52,7 +52,7 @@ def straight_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
     The new border runs through points of the sealed one, and neither is farther than half a pixel from the other
     (Hausdorff distance). Holes and parts stay as they are in number; the result is valid.
     """
-    return MultiPolygon([_straightened(polygon) for polygon in sealed_outline(pixels).geoms])
+    return MultiPolygon([_straighten(polygon) for polygon in sealed_outline(pixels).geoms])
 
 
 @dataclass
@@ -94,7 +94,7 @@ class _Ring:
         return pieces
 
 
-def _straightened(polygon: Polygon) -> Polygon:
+def _straighten(polygon: Polygon) -> Polygon:
     """The polygon with stairs of pixels made straight, or itself where no valid one comes of it."""
     rings = [_ring(get_coordinates(ring)[:-1]) for ring in (polygon.exterior, *polygon.interiors)]
     for ring in rings:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import PlanError
-from rota.files.blocks import Block, block_of, field_in, fields_in, made
+from rota.files.blocks import Block, block_of, field_in, fields_in, make
 from rota.files.json_schema import file_schema
 from rota.files.mission_schema import row_faults, start_faults
 from rota.model.fields import Field, field_of, fields_of
@@ -80,7 +80,7 @@ def _start(box: Any = None, points: Any = None) -> StartBox | StartPoints:
 
 def _fleet(robots: Any, **values: Any) -> Fleet:
     """The fleet; "fewest" is one of none that are named."""
-    return made(Fleet, robots=None if robots == "fewest" else robots, **values)
+    return make(Fleet, robots=None if robots == "fewest" else robots, **values)
 
 
 def _mission(planner: str, **values: Any) -> Mission:
@@ -88,7 +88,7 @@ def _mission(planner: str, **values: Any) -> Mission:
     given = {name: values.pop(name, None) for name in planner_names()}
     if [name for name, settings in given.items() if settings is not None] != [planner]:
         raise PlanError(f"planner is {planner}; its settings and no others are needed")
-    return Mission(**values, planning=planner_named(planner).settings.written(given[planner] or {}, None))
+    return Mission(**values, planning=planner_named(planner).settings.from_file(given[planner] or {}, None))
 
 
 def _trajectory_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -113,7 +113,7 @@ def _trajectory_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 
 @cache
-def _known() -> dict[Any, Block | Field]:
+def _known_blocks() -> dict[Any, Block | Field]:
     """The blocks and fields of the model's types."""
     known: dict[Any, Block | Field] = {
         MultiPolygon: replace(field_in(fields_of(_Forms)[0], "plan"), reads=_shape),
@@ -121,12 +121,12 @@ def _known() -> dict[Any, Block | Field]:
         Start: block_of(Start, "plan", makes=_start, rules=start_faults),
         Trajectory: block_of(
             Trajectory, "plan", {Waypoints: block_of(Waypoints, "plan", makes=Waypoints)},
-            makes=partial(made, Trajectory), rules=_trajectory_faults,
+            makes=partial(make, Trajectory), rules=_trajectory_faults,
         ),
     }  # fmt: skip
     for kind, makes in (
         (GeoPoint, GeoPoint), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle), (Zone, Zone),
-        (Robot, partial(made, Robot)), (Fleet, _fleet),
+        (Robot, partial(make, Robot)), (Fleet, _fleet),
     ):  # fmt: skip
         known[kind] = block_of(kind, "plan", known, makes=makes)
     return known
@@ -145,7 +145,7 @@ def plan_block(document: object = None) -> Block:
 @cache
 def _plan_block(names: tuple[str, ...], known: tuple[str, ...]) -> Block:
     """The same, with a block for planners of these names, of all that are known."""
-    fields = [item for item in fields_in(Mission, "plan", _known()) if item.name != "planning"]
+    fields = [item for item in fields_in(Mission, "plan", _known_blocks()) if item.name != "planning"]
     fields.append(Field(name="planner", kind="option", options=known, needed=True))
     fields += [
         Field(
@@ -155,7 +155,7 @@ def _plan_block(names: tuple[str, ...], known: tuple[str, ...]) -> Block:
     ]
     mission = Block(name="mission", meaning="The mission, with all its defaults.", fields=tuple(fields), makes=_mission)
     own = {item.name: item for item in fields_in(PlanFile, "plan")}
-    plan = fields_in(Plan, "plan", {**_known(), Mission: mission})
+    plan = fields_in(Plan, "plan", {**_known_blocks(), Mission: mission})
     return replace(block_of(PlanFile, "plan"), fields=(*own.values(), *plan))
 
 

@@ -91,14 +91,14 @@ def one_of(sources: tuple[str, ...], **more: Any) -> dict[str, Any]:
     return {"oneOf": [{"required": [key]} for key in sources], "dependentRequired": _BELONGS, **more}
 
 
-def given_of(data: dict[str, Any], *keys: str) -> list[str]:
+def keys_with_values(data: dict[str, Any], *keys: str) -> list[str]:
     """Those of the keys that a raw block gives a value."""
     return [key for key in keys if data.get(key) is not None]
 
 
 def shape_faults(data: dict[str, Any], sources: tuple[str, ...] = SOURCES) -> Iterator[tuple[Where, str]]:
     """What is wrong with a shape: exactly one source; holes need an outer ring, a feature needs a file."""
-    given = given_of(data, *sources)
+    given = keys_with_values(data, *sources)
     listed = f"{', '.join(sources[:-1])} or {sources[-1]}"
     if not given:
         yield (), f"has no shape; give one of {listed}"
@@ -115,7 +115,7 @@ def area_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     yield from shape_faults(data, AREA_SOURCES)
     if data.get("map") is not None and data.get("inside") is None:
         yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
-    for key in given_of(data, "inside", "unknown", "close_gaps_m"):
+    for key in keys_with_values(data, "inside", "unknown", "close_gaps_m"):
         if data.get("map") is None:
             yield (key,), "belongs to a map; remove it, or give map"
     if data.get("text") is not None and data.get("cell_m") is None:

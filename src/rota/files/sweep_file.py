@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from rota.errors import MissionError
-from rota.files.blocks import Block, Fault, block_of, nearest_key, positioned, read_block
+from rota.files.blocks import Block, Fault, block_of, lines_of_faults, nearest_key, read_block
 from rota.files.json_schema import file_schema
 from rota.files.local_file import read_text
 from rota.files.shape_schema import TEXT
@@ -17,7 +17,7 @@ from rota.files.yaml_text import Document, parse_text
 from rota.model.fields import field_of
 from rota.model.limits import DURATION
 from rota.model.planner_registry import planner_names
-from rota.model.refusals import Where, shown
+from rota.model.refusals import Where, show_value
 
 MOST_SEEDS = 1_000_000
 SEED: dict[str, Any] = {"least": 0, "most": 2**32}
@@ -66,29 +66,29 @@ def _sweep_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     planners = data.get("planners")
     for k, name in enumerate(planners if isinstance(planners, list) else []):
         if isinstance(name, str) and name not in planner_names():
-            yield ("planners", k), f"{shown(name)} is not known; {nearest_key(name, list(planner_names()))}"
+            yield ("planners", k), f"{show_value(name)} is not known; {nearest_key(name, list(planner_names()))}"
     lists: list[tuple[Where, Any]] = [((key,), data.get(key)) for key in ("missions", "planners", "efforts", "seeds")]
     settings = data.get("settings", {})
     if not isinstance(settings, dict):
-        yield ("settings",), f"{shown(settings)} is not allowed; a mapping of keys to values is needed"
+        yield ("settings",), f"{show_value(settings)} is not allowed; a mapping of keys to values is needed"
     for path, values in settings.items() if isinstance(settings, dict) else ():
         lists.append((("settings", path), values))
         if not isinstance(values, list) or not values:
             needed = "it must not be empty" if values == [] else "a list is needed"
-            yield ("settings", path), f"{shown(values)} is not allowed; {needed}"
+            yield ("settings", path), f"{show_value(values)} is not allowed; {needed}"
         if path in ("planner", "seed") or path.endswith(".effort"):
             yield ("settings", path), f"is not allowed here; use {path.rpartition('.')[2]}s"
         if not all(path.split(".")):
             yield ("settings", path), "is no path of a field; names with dots between them are needed"
     for where, values in lists:
-        yield from _repeated(where, values)
+        yield from _repetitions(where, values)
 
 
-def _repeated(where: Where, values: Any) -> Iterator[tuple[Where, str]]:
+def _repetitions(where: Where, values: Any) -> Iterator[tuple[Where, str]]:
     """Each value of a list that stands in it before."""
     for k, value in enumerate(values if isinstance(values, list) else []):
         if any(value == other and type(value) is type(other) for other in values[:k]):
-            yield (*where, k), f"{shown(value)} is given twice; each once is needed"
+            yield (*where, k), f"{show_value(value)} is given twice; each once is needed"
 
 
 class ReadSweep(NamedTuple):
@@ -109,7 +109,7 @@ def read_sweep(path: str | Path) -> ReadSweep:
     file, faults = read_block(_block(), document.value)
     missions, missing = _mission_files(document, path.parent)
     if faults or missing:
-        raise MissionError(*positioned(document, [*faults, *missing]))
+        raise MissionError(*lines_of_faults(document, [*faults, *missing]))
     return ReadSweep(file, missions)
 
 

@@ -15,7 +15,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import Scanner
 
 from rota.errors import MissionError
-from rota.model.refusals import shortened
+from rota.model.refusals import shorten
 
 Place = tuple[str | int, ...]
 
@@ -81,7 +81,7 @@ def field_path(place: Place) -> str:
         if isinstance(step, int):
             text += f"[{step}]"
         else:
-            key = shortened(step if step.isprintable() else json.dumps(step))
+            key = shorten(step if step.isprintable() else json.dumps(step))
             text += f".{key}" if text else key
     return text
 
@@ -94,7 +94,7 @@ def parse_text(text: str, name: str, what: str) -> Document:
     """
     if name.lower().endswith(".json"):
         text = _checked_json(text, name)
-    root = _composed(text, name)
+    root = _compose(text, name)
     if root is None:
         raise MissionError(f"{name}:1:1: the file is empty; {what} is needed")
     builder = _Builder(name, text)
@@ -132,7 +132,7 @@ class _ShallowScanner(Scanner):
             raise _TooDeep(f"{mark.line + 1}:{mark.column + 1}")
 
 
-def _composed(text: str, name: str) -> Node | None:
+def _compose(text: str, name: str) -> Node | None:
     """The tree of a YAML text; None where there is nothing in it."""
     if not text.strip():
         return None
@@ -170,11 +170,11 @@ def _unreadable(text: str, error: Exception) -> tuple[int, str]:
     if (version := _VERSION.search(text)) is not None:
         return (
             version.start(),
-            f"{shortened(version[0].strip())} is not allowed; 1.2, 1.1 or none is needed",
+            f"{shorten(version[0].strip())} is not allowed; 1.2, 1.1 or none is needed",
         )
     if (beyond := _BEYOND_UNICODE.search(text)) is not None:
         return beyond.start(), f"{beyond[0]} is no character; \\U0010FFFF is the last one"
-    return 0, shortened(" ".join(str(error).split()) or type(error).__name__)
+    return 0, shorten(" ".join(str(error).split()) or type(error).__name__)
 
 
 def _checked_json(text: str, name: str) -> str:

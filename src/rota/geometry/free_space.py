@@ -13,7 +13,7 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
-from rota.geometry.tiles import Box, clipped, grown_box
+from rota.geometry.tiles import Box, clip, grown_box
 from rota.model.mission import AREA, TOUCH_M, Demand, Mission, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.model.start_faults import ENTRANCE_NEAR
@@ -59,7 +59,7 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
     if mission.fleet.entrances is not None:
         arc_corners = max(arc_corners, _ENTERED_ARC_CORNERS)
     space = standing_anywhere(mission, body_radius_m, arc_corners=arc_corners)
-    return entered(space, mission, body_radius_m, arc_corners=arc_corners)
+    return parts_entered(space, mission, body_radius_m, arc_corners=arc_corners)
 
 
 def standing_anywhere(mission: Mission, body_radius_m: float, *, arc_corners: int = _ARC_CORNERS) -> MultiPolygon:
@@ -78,10 +78,10 @@ def _free_of(
 ) -> MultiPolygon:
     """The area without what blocks, eroded by the body; each setting up of one ground asks for the same again."""
     free = _polygons(area.difference(shapely.union_all(blocking)) if blocking else area)
-    return _eroded(free, body_radius_m, arc_corners)
+    return _erode(free, body_radius_m, arc_corners)
 
 
-def entered(space: MultiPolygon, mission: Mission, body_radius_m: float, *, arc_corners: int) -> MultiPolygon:
+def parts_entered(space: MultiPolygon, mission: Mission, body_radius_m: float, *, arc_corners: int) -> MultiPolygon:
     """The parts of a standing space that bodies come to from the fleet's entrances; all where it has none.
 
     An entrance leads to the part that holds it. Coarse arcs may keep the entrance itself out of the space, and so do
@@ -105,10 +105,10 @@ def standing_space_in(mission: Mission, body_radius_m: float, box: Box, *, arc_c
     wide = shapely.box(*grown_box(box, 2 * body_radius_m))
     blocking = [shapely.intersection(obstacle.shape, wide) for obstacle in mission.obstacles if obstacle.blocks_motion]
     free = _polygons(shapely.intersection(mission.area, wide).difference(shapely.union_all(blocking)))
-    return clipped(_eroded(free, body_radius_m, arc_corners), box)
+    return clip(_erode(free, body_radius_m, arc_corners), box)
 
 
-def _eroded(free: MultiPolygon, body_radius_m: float, arc_corners: int) -> MultiPolygon:
+def _erode(free: MultiPolygon, body_radius_m: float, arc_corners: int) -> MultiPolygon:
     if body_radius_m == 0 or free.is_empty:
         return free
     return _polygons(free.difference(_band_inside(free, body_radius_m, arc_corners)))
@@ -123,11 +123,11 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
     lies in the area, whatever overlaps it, and takes its ground out of the rest as well. Regions left empty are absent.
     """
     hiding = tuple(obstacle.shape for obstacle in mission.obstacles if obstacle.hides_demand)
-    return _demanded(mission.area, hiding, mission.zones, mission.period_s)
+    return _demanded_once(mission.area, hiding, mission.zones, mission.period_s)
 
 
 @functools.lru_cache(maxsize=4)
-def _demanded(
+def _demanded_once(
     area: MultiPolygon, hiding: tuple[MultiPolygon, ...], zones: tuple[Zone, ...], outside_s: float | None
 ) -> tuple[DemandedRegion, ...]:
     """The regions of ``demanded_regions``; the setting up of one search asks for them several times."""

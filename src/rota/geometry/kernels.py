@@ -104,7 +104,7 @@ def rows_of_edges(edges, y0, cell_m, ny, margin_m):
 
 
 @kernel
-def _left_of_odd_edges(px, py, edges, items, begin, end):
+def _is_left_of_odd_edges(px, py, edges, items, begin, end):
     """Crossing parity of the ray from the point to the right, over edges items[begin:end]."""
     odd = False
     for n in range(begin, end):
@@ -140,7 +140,7 @@ def clearances(edges, x0, y0, cell_m, nx, ny, start, items):
             steps = clear[j + 1, i + 1]
             if steps > 0 and (i == 0 or clear[j + 1, i] == 0):
                 x, y = x0 + (i + 0.5) * cell_m, y0 + (j + 0.5) * cell_m
-                inside = _left_of_odd_edges(x, y, edges, items, start[row], start[row + 1])
+                inside = _is_left_of_odd_edges(x, y, edges, items, start[row], start[row + 1])
             signed[j * nx + i] = steps if inside else -steps
     return signed
 
@@ -164,7 +164,7 @@ def _place(px, py, grid, touch_m):
         if (ax - s * wx) ** 2 + (ay - s * wy) ** 2 <= touch_m * touch_m:
             return BORDER
     row = grid.nx * grid.ny + j
-    odd = _left_of_odd_edges(px, py, edges, grid.items, grid.start[row], grid.start[row + 1])
+    odd = _is_left_of_odd_edges(px, py, edges, grid.items, grid.start[row], grid.start[row + 1])
     return INSIDE if odd else OUTSIDE
 
 

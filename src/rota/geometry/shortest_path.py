@@ -94,14 +94,14 @@ class ShortestPaths:
             known = known_links(self._numbered, like._numbered, like._links, changed_m)
         self._like = None
 
-        def linked(first: int) -> NDArray[np.int32]:
+        def link(first: int) -> NDArray[np.int32]:
             last = min(first + ROWS_TOGETHER, count)
             found: NDArray[np.int32] = corner_kernels.bitangents_of(
                 first, last, self._corners, self._corner_part, self.grid, known
             )
             return found
 
-        pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *side_by_side(linked, range(0, count, ROWS_TOGETHER))])
+        pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *side_by_side(link, range(0, count, ROWS_TOGETHER))])
         one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
         step = self.corners_m[one] - self.corners_m[other]
         return csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=(count, count))

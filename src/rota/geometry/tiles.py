@@ -54,6 +54,6 @@ def grown_box(box: Box, margin_m: float) -> Box:
     return box[0] - margin_m, box[1] - margin_m, box[2] + margin_m, box[3] + margin_m
 
 
-def clipped(shape: BaseGeometry, box: Box) -> MultiPolygon:
+def clip(shape: BaseGeometry, box: Box) -> MultiPolygon:
     """The part of a polygonal shape in the box: polygons, perhaps none."""
     return polygons_of(shapely.intersection(shape, shapely.box(*box)))

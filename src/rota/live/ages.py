@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rota.geometry.free_space import border_segments, sight_walls
 from rota.geometry.line_of_sight import edge_grid
 from rota.live import age_kernels
-from rota.live.places import Places, binned
+from rota.live.places import Places, sort_in_bins
 from rota.model.fleet import DiscSensor, Robot, inner_reach_m
 from rota.model.mission import Mission
 
@@ -41,7 +41,7 @@ class Ages:
         self._first_s, self._last_s = np.full(count, np.inf), np.full(count, -np.inf)
         robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
         self._points_m = np.ascontiguousarray(places.points_m[: places.points])
-        self._grid, self._near = binned(self._points_m, max(inner_reach_m(robot.sensor) for robot in robots))
+        self._grid, self._near = sort_in_bins(self._points_m, max(inner_reach_m(robot.sensor) for robot in robots))
         self._walls = edge_grid(sight_walls(mission))
         visits = [demand for demand in places.demands if demand.demand == "visit"]
         self._zones = [edge_grid(border_segments(demand.region)) for demand in visits]

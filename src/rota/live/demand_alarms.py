@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.live.ages import Ages
 from rota.live.forecast import Forecast, Lapse
-from rota.live.notices import DemandStanding, DemandState, Notice, listed, place_text, seconds
+from rota.live.notices import DemandStanding, DemandState, Notice, names_in_words, place_text, seconds
 from rota.live.ways import Ways
 
 Floats = NDArray[np.float64]
@@ -52,13 +52,13 @@ class DemandAlarms:
                 if not is_late:
                     is_over = age_s <= limit_s
                     place, gap_s = (int(where[k]), float(gaps_s[k])) if is_over else (int(oldest[k]), age_s)
-                    told.append(self._lapsed(now_s, k, place, gap_s, is_over=is_over))
+                    told.append(self._notice_of_lapse(now_s, k, place, gap_s, is_over=is_over))
             elif is_late and ages.known_s - self._late_s[k] >= CALM_S:
                 self._standing[k] = "ok"
                 told.append(self._notice(now_s, "seen again", k, f"{demand.name} is seen in time again"))
         return told
 
-    def _lapsed(self, now_s: float, k: int, place: int, gap_s: float, *, is_over: bool) -> Notice:
+    def _notice_of_lapse(self, now_s: float, k: int, place: int, gap_s: float, *, is_over: bool) -> Notice:
         demand, at = self._places.demands[k], self._at(place)
         self._standing[k] = "lapsed"
         self.lapses += 1
@@ -111,7 +111,7 @@ class DemandAlarms:
         else:
             due = f"{self._robots[lapse.next_robot]} is due there {seconds(lapse.next_s - lapse.at_s)} too late"
         if able:
-            could = f"{listed(list(self._could[k]))} could still make it, in {seconds(able[0][0])}"
+            could = f"{names_in_words(list(self._could[k]))} could still make it, in {seconds(able[0][0])}"
         else:
             could = "nobody can make it" if self._ways.known else "who could make it is not worked out on this ground"
         name = self._places.demands[k].name
@@ -128,7 +128,7 @@ class DemandAlarms:
             for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s, later_s)
         }
 
-    def missed(
+    def lapses_without(
         self,
         now_s: float,
         ages: Ages,
@@ -154,7 +154,7 @@ class DemandAlarms:
         if not found:
             return "nothing more lapses", facts
         words = [f"{name} lapses in {seconds(lapse.at_s - now_s)}" for name, lapse in zip(names, found, strict=True)]
-        return listed(words), facts
+        return names_in_words(words), facts
 
     # ------------------------------------------------------------ the state
 

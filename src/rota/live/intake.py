@@ -47,7 +47,7 @@ class Intake:
         before, first = self._dropped.get(fault, (0, example))
         self._dropped[fault] = (before + count, first)
 
-    def dropped(self) -> list[Dropped]:
+    def take_dropped(self) -> list[Dropped]:
         """What was dropped since the last call."""
         found = [Dropped(fault, count, _plain(example)) for fault, (count, example) in self._dropped.items()]
         self._dropped.clear()

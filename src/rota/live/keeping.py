@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rota.links.link import Mode, Order
-from rota.live.notices import Notice, NoticeKind, RobotState, listed
+from rota.live.notices import Notice, NoticeKind, RobotState, names_in_words
 from rota.model.plan import Plan
 
 LATE_S = 1.0  # by which a robot is late before all wait for it
@@ -108,7 +108,7 @@ class Keeping:
             waits = pace >= LEAST_RATE * self._most_rate
             others = f"all go on at {pace:.2f} of the plan's pace" if waits else "the others go on without it"
             lapses = self.lapses_at(pace) if waits else []
-            then = f"; at that pace {listed(lapses)}" if lapses else "; nothing lapses by that" if waits else ""
+            then = f"; at that pace {names_in_words(lapses)}" if lapses else "; nothing lapses by that" if waits else ""
             text = f"{name} cannot keep up: {late_s:.1f} s late, at {pace:.2f} of its pace; {others}{then}"
             return [_notice(now_s, "too slow", name, text, late_s=late_s, pace=pace)]
         if track.told_slow and late_s < EARLY_SHARE * LATE_S:

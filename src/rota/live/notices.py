@@ -101,7 +101,7 @@ def place_text(place_m: tuple[float, float]) -> str:
     return f"({place_m[0]:.1f}, {place_m[1]:.1f})"
 
 
-def listed(names: list[str], most: int = 3) -> str:
+def names_in_words(names: list[str], most: int = 3) -> str:
     """Names in a row, the first few of them."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
@@ -129,7 +129,7 @@ def state_line(state: FleetState) -> str:
     """A state as a line for people: who is not all right, and each demand's age beside its period."""
     bad = [f"{robot.name} {robot.standing}" for robot in state.robots if robot.standing != "ok"]
     demands = [f"{demand.name} {demand.age_s:.0f}/{demand.period_s:.0f} s" for demand in state.demands]
-    fleet = f"{len(state.robots)} robots, {listed(bad) if bad else 'all on their routes'}"
+    fleet = f"{len(state.robots)} robots, {names_in_words(bad) if bad else 'all on their routes'}"
     ages = f"; ages: {', '.join(demands)}" if demands else ""
     return f"{state.time_s:9.1f} s         {fleet}{ages}"
 

@@ -107,7 +107,7 @@ def _lattice(region: Any, step_m: float) -> Floats:
     return np.vstack([found, shapely.get_coordinates(shapely.point_on_surface(polygons[empty])).reshape(-1, 2)])
 
 
-def binned(points_m: Floats, reach_m: float) -> tuple[Grid, Binned]:
+def sort_in_bins(points_m: Floats, reach_m: float) -> tuple[Grid, Binned]:
     """Points (n, 2) sorted into the cells of a grid, so that those near a robot are found."""
     low = points_m.min(axis=0) if len(points_m) else np.zeros(2)
     wide, high = (points_m.max(axis=0) - low) if len(points_m) else np.zeros(2)

@@ -72,7 +72,7 @@ class Session:
             if (fresh := messages - self._rejected.get(fault, 0)) > 0:
                 self._intake.drop(fault, fresh, example)
                 self._rejected[fault] = messages
-        for dropped in self._intake.dropped():
+        for dropped in self._intake.take_dropped():
             self._take(dropped)
         self._show(self._take(Tick(round(now_s, DIGITS))))
 

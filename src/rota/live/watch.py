@@ -195,7 +195,7 @@ class Watch:
             with_it_s = self._alarms.lapse_times_s(self._ages, *self._team())
             self._standing[number] = "lost"
             self._settle()
-            missed, facts = self._alarms.missed(self._now_s, self._ages, *self._team(), with_it_s)
+            missed, facts = self._alarms.lapses_without(self._now_s, self._ages, *self._team(), with_it_s)
             last = self._last[number]
             at = "never heard" if last is None else f"last at {place_text((last.x_m, last.y_m))}"
             silent = self._silent_s(number)
@@ -247,18 +247,18 @@ class Watch:
                 continue
             self._battery_told[number] = kind
             if kind is not None:
-                missed, facts = self._missed_after(number, leaves_s)
+                missed, facts = self._lapses_after(number, leaves_s)
                 when = "now" if kind == "must leave" else f"in {seconds(leaves_s)}" if leaves_s is not None else "soon"
                 text = f"{robot.name}: battery at {battery.level:.0%}; it must leave {when}; without it {missed}"
                 self._tell(kind, robot.name, text, battery=battery.level, leaves_in_s=leaves_s, lapses=facts)
 
-    def _missed_after(self, number: int, leaves_s: float | None) -> tuple[str, list[dict[str, object]]]:
+    def _lapses_after(self, number: int, leaves_s: float | None) -> tuple[str, list[dict[str, object]]]:
         """What lapses if a robot leaves in so many seconds (None: now) and the others go on."""
         lags_s, until_s = self._team()
         later_s = self._now_s + max(leaves_s or 0.0, 0.0)
         with_it_s = self._alarms.lapse_times_s(self._ages, lags_s, until_s, later_s)
         until_s[number] = min(until_s[number], later_s)
-        return self._alarms.missed(self._now_s, self._ages, lags_s, until_s, with_it_s, later_s)
+        return self._alarms.lapses_without(self._now_s, self._ages, lags_s, until_s, with_it_s, later_s)
 
     def _leaves_in_s(self, number: int) -> float | None:
         """Seconds until a robot must leave for home, from the farthest place of its route; None: not known."""

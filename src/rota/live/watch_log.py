@@ -121,7 +121,7 @@ class LogReader:
     def of(cls, path: str | os.PathLike[str], plan: Plan) -> LogReader:
         """Raises RotaError for what is no log, or is the log of another plan."""
         try:
-            with _opened(Path(path)) as file:
+            with _open(Path(path)) as file:
                 header = _json_line(file.readline(LONGEST_LINE))
         except (EOFError, zlib.error) as error:
             raise RotaError(f"{path}: no log of a watch: {error}") from None
@@ -144,7 +144,7 @@ class LogReader:
     def events(self) -> Iterator[Event]:
         """All events up to the log's end, or up to what is damaged, which ``fault`` tells then."""
         self.fault = None
-        with _opened(self.path) as file:
+        with _open(self.path) as file:
             file.readline(LONGEST_LINE)
             for number, line in enumerate(iter(lambda: _line_of(file), b""), start=2):
                 if not line.endswith(b"\n"):
@@ -162,7 +162,7 @@ class LogReader:
         self.fault = f"{self.path}: the log breaks off without its last line; what there is is used"
 
 
-def _opened(path: Path) -> IO[bytes]:
+def _open(path: Path) -> IO[bytes]:
     """The log's text, also of one that was packed by gzip."""
     with path.open("rb") as file:
         is_packed = file.read(2) == GZIP

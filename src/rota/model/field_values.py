@@ -26,7 +26,7 @@ def check_fields(block: Any, where: str = "") -> None:
         if value is AS_FLEET:
             continue
         if item.kind in ("pair", "list") and value is not None and value != item.word:
-            value = _listed(item, value)
+            value = _list_up(item, value)
         for place, part, fault in item.faults(value):
             message = refusal(fault.kind, part, fault.given, fault.given.get("expected", ""))
             raise MissionError(f"{where}{path_of((item.name, *place))}: {message}")
@@ -34,11 +34,11 @@ def check_fields(block: Any, where: str = "") -> None:
             object.__setattr__(block, item.name, () if value == item.word else tuples_of(item, value))
 
 
-def _listed(item: Field, value: Any) -> Any:
+def _list_up(item: Field, value: Any) -> Any:
     """A tuple of whatever can be iterated, so that arrays and generators serve, too."""
     if isinstance(value, str | Mapping) or value == [] or not isinstance(value, Iterable) or item.item is None:
         return value
-    return tuple(_listed(item.item, entry) if item.item.item is not None else entry for entry in value)
+    return tuple(_list_up(item.item, entry) if item.item.item is not None else entry for entry in value)
 
 
 def tuples_of(item: Field, value: Any) -> Any:
@@ -48,7 +48,7 @@ def tuples_of(item: Field, value: Any) -> Any:
     return float(value) if item.kind == "number" else int(value) if item.kind == "whole" else value
 
 
-def as_written(block: Any, other: Callable[[Any], Any] = lambda value: value, without: Collection[str] = ()) -> Json:
+def in_file_form(block: Any, other: Callable[[Any], Any] = lambda value: value, without: Collection[str] = ()) -> Json:
     """A block as plan files have it: dicts, lists, text and numbers by their names, without what is spared.
 
     other: makes such a value of what is declared with another type, as shapes are. without: fields to leave out.
@@ -62,7 +62,7 @@ def as_written(block: Any, other: Callable[[Any], Any] = lambda value: value, wi
         if item.name in without or (item.spared and _is_at_default(block, item)):
             continue
         if item.flat:
-            told |= as_written(value, other)
+            told |= in_file_form(value, other)
         elif item.kind in ("number", "whole") and hasattr(block, "value_of"):
             told[item.name] = value  # of settings as it was given, 0 or 0.0
         else:
@@ -86,7 +86,7 @@ def _value_as_written(item: Field, value: Any, other: Callable[[Any], Any]) -> A
     if item.kind in ("pair", "list") and item.item is not None:
         return [_value_as_written(item.item, entry, other) for entry in value] or item.word or []
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return as_written(value, other)
+        return in_file_form(value, other)
     if item.kind in ("number", "either") and isinstance(value, Real):
         return float(value)
     return int(value) if item.kind == "whole" else other(value)

@@ -14,7 +14,7 @@ from shapely import MultiPolygon, Polygon
 
 from rota.errors import MissionError
 from rota.model.corner_faults import corner_faults as corner_faults
-from rota.model.field_values import as_written, check_fields
+from rota.model.field_values import check_fields, in_file_form
 from rota.model.fields import field_of, fields_of, flat_fields_of
 from rota.model.fleet import (
     COORDINATES,
@@ -240,8 +240,8 @@ class Mission:
         faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
-        data = _as_asked(self)
-        refused = list(all_refused(type(self.planning), data))
+        data = _as_file_has_it(self)
+        refused = list(all_refusals(type(self.planning), data))
         if self.planning.asks_periods and not (self.period_s or any(zone.period_s for zone in self.zones)):
             refused.append((("period_s",), NO_PERIOD))
         if refused:
@@ -291,13 +291,13 @@ class Mission:
         require(known, name, value, f"the {self.planning.planner} planner has no {name}: leave it out")
 
 
-def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """What is wrong with a mission as written: what its planner refuses, and what it must say that it has a use for.
 
     kind: the type of the planner's settings; None: the planner is not known.
     """
     if kind is not None:
-        yield from kind.refused(data)
+        yield from kind.refusals(data)
         if data.get("moving_obstacles") and not kind.heeds_moving_obstacles:
             yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
         if inner(data, "fleet", "entrances") is not None and not kind.heeds_entrances:
@@ -314,17 +314,17 @@ def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> 
                 yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
 
 
-def _as_asked(mission: Mission) -> dict[str, Any]:
+def _as_file_has_it(mission: Mission) -> dict[str, Any]:
     """The mission as a file would have it, without shapes: what planners look at to refuse it."""
-    fleet = as_written(mission.fleet)
+    fleet = in_file_form(mission.fleet)
     like = {name: fleet.get(name) for name in (item.name for item in flat_fields_of(Abilities))}
     robots = [
-        {name: value for name, value in as_written(robot).items() if name not in like or value != like[name]}
+        {name: value for name, value in in_file_form(robot).items() if name not in like or value != like[name]}
         for robot in mission.fleet.robots or ()
     ]
     return {
         **{item.name: getattr(mission, item.name) for item in fields_of(Mission)},
-        "zones": [as_written(zone) for zone in mission.zones],
+        "zones": [in_file_form(zone) for zone in mission.zones],
         "fleet": {**fleet, "robots": robots or "fewest"},
         mission.planning.planner: vars(mission.planning),
     }

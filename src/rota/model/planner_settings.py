@@ -49,12 +49,12 @@ class Settings:
         yield from ()
 
     @classmethod
-    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Values that a mission file gives although others make them useless; likewise."""
         yield from ()
 
     @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """What such settings cannot use of a mission as a file has it, faults and all: the place, what is wrong."""
         yield from ()
 
@@ -148,7 +148,7 @@ class PlannerSettings(Settings):
         return settings
 
     @classmethod
-    def written(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
+    def from_file(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
         """The settings that a file gives; typed_cell_m: side of a cell of the area's text map, if any."""
         return cls(**values)
 

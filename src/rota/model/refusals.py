@@ -45,25 +45,25 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
         quoted = isinstance(value, str) and needed.endswith("number") and _reads_as_number(value)
         unquoted = needed == "text" and isinstance(value, int | float | None)
         hint = "; remove the quotes" if quoted else "; put it in quotes" if unquoted else ""
-        return f"{shown(value)} is not allowed; {needed} is needed{hint}"
+        return f"{show_value(value)} is not allowed; {needed} is needed{hint}"
     if kind in _COMPARED:
         key, allowed = _COMPARED[kind]
-        return f"{shown(value)} is not allowed; it {allowed.format(f'{given[key]:.9g}')}"
+        return f"{show_value(value)} is not allowed; it {allowed.format(f'{given[key]:.9g}')}"
     if kind == "literal_error":
-        return f"{shown(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed"
+        return f"{show_value(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed"
     if kind == "too_long" and (given.get("exact") or given.get("field_type") == "Tuple"):
-        return f"{shown(value)} is too long; {given['max_length']} numbers are needed"
+        return f"{show_value(value)} is too long; {given['max_length']} numbers are needed"
     if kind == "too_short" and "exact" in given:
         needed = f"{given['min_length']} numbers" if given["exact"] else f"at least {given['min_length']} entries"
-        return f"{shown(value)} is too short; {needed} are needed"
+        return f"{show_value(value)} is too short; {needed} are needed"
     if kind in ("too_short", "string_too_short"):
-        return f"{shown(value)} is not allowed; it must not be empty"
+        return f"{show_value(value)} is not allowed; it must not be empty"
     if kind == "too_long":
         return f"has {given['actual_length']} entries; at most {given['max_length']} are allowed"
     if kind == "bool_type":
-        return f"{shown(value)} is not allowed; true or false is needed"
+        return f"{show_value(value)} is not allowed; true or false is needed"
     if kind == "wrong_kind":
-        return f"{shown(value)} is not allowed; {otherwise}"
+        return f"{show_value(value)} is not allowed; {otherwise}"
     return otherwise
 
 
@@ -75,15 +75,15 @@ def _reads_as_number(text: str) -> bool:
         return False
 
 
-def shown(value: Any) -> str:
+def show_value(value: Any) -> str:
     """A value as a mission file writes it, shortened."""
     if isinstance(value, float):
         return f"{value:.12g}" if math.isfinite(value) else f"{value:.1f}".replace("inf", ".inf").replace("nan", ".nan")
     text = json.dumps(value, ensure_ascii=False, default=str)
-    return shortened(text if text.isprintable() else json.dumps(value, default=str))
+    return shorten(text if text.isprintable() else json.dumps(value, default=str))
 
 
-def shortened(text: str) -> str:
+def shorten(text: str) -> str:
     """The text, or its beginning where it is long."""
     return text if len(text) <= 60 else text[:56] + " ..."
 
@@ -117,7 +117,7 @@ def require_text(where: str, name: str) -> None:
     require(_STEERING.search(name) is None, where, name, allowed)
 
 
-def escaped(text: str) -> str:
+def escape(text: str) -> str:
     """The text with ``\\x1b`` and the like in place of what steers a terminal, and of halves of characters."""
     return _STEERING.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 

@@ -67,7 +67,7 @@ def entrance_fault(
 ) -> str | None:
     """Why a body cannot come in there: it does not fit, or has no way on; None when it can."""
     wrong = _standing_fault(place_m, body_radius_m, area, blocking)
-    return wrong or _stuck(place_m, body_radius_m, area, blocking)
+    return wrong or _why_stuck(place_m, body_radius_m, area, blocking)
 
 
 def _doubtful(
@@ -123,7 +123,9 @@ def _standing_fault(
     return None
 
 
-def _stuck(place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]) -> str | None:
+def _why_stuck(
+    place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]
+) -> str | None:
     """Why a body that can stand there comes nowhere, as in a gap just as wide as itself; None when it can move on."""
     point, clear_m = Point(place_m), body_radius_m * (1 + ENTRANCE_CLEARANCE)
     near_m = ENTRANCE_NEAR * body_radius_m + 2 * TOUCH_M

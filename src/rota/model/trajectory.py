@@ -21,7 +21,7 @@ TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}
 BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
 
 
-def _frozen(values: object) -> Floats:
+def _freeze(values: object) -> Floats:
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
@@ -48,8 +48,8 @@ class Waypoints:
     speed_m_s: float = field_of(meaning="told for every leg", above=0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "places_m", _frozen(self.places_m))
-        object.__setattr__(self, "times_s", _frozen(self.times_s))
+        object.__setattr__(self, "places_m", _freeze(self.places_m))
+        object.__setattr__(self, "times_s", _freeze(self.times_s))
         places, times = self.places_m, self.times_s
         if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or times.shape != (len(places) + 1,):
             raise PlanError(f"waypoints: places {places.shape}, times {times.shape}; (k, 2) and (k + 1,) with k >= 2")
@@ -97,12 +97,12 @@ class Trajectory:
     waypoints: Waypoints | None = field_of(None, newer=True, spared=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times_s", _frozen(self.times_s))
-        object.__setattr__(self, "positions_m", _frozen(self.positions_m))
+        object.__setattr__(self, "times_s", _freeze(self.times_s))
+        object.__setattr__(self, "positions_m", _freeze(self.positions_m))
         if self.headings_rad is not None:
-            object.__setattr__(self, "headings_rad", _frozen(self.headings_rad))
+            object.__setattr__(self, "headings_rad", _freeze(self.headings_rad))
         if self.accelerations_m_s2 is not None:
-            object.__setattr__(self, "accelerations_m_s2", _frozen(self.accelerations_m_s2))
+            object.__setattr__(self, "accelerations_m_s2", _freeze(self.accelerations_m_s2))
         object.__setattr__(self, "loop_start_s", float(self.loop_start_s))
         times, positions = self.times_s, self.positions_m
         if times.ndim != 1 or not len(times):

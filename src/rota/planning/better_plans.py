@@ -34,7 +34,7 @@ class BetterPlans:
         self.best: tuple[Plan, Report] | None = None
         self._lock = threading.Lock()
 
-    def judged(self, plan: Plan, report: Report) -> None:
+    def note(self, plan: Plan, report: Report) -> None:
         """Note a plan that was judged, in any thread; tells it if it is better. The tellings do not overlap."""
         from rota.check import check_plan
 

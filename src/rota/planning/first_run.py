@@ -22,7 +22,7 @@ def parts_of(planner: Planner) -> tuple[Part, ...]:
 
 
 @contextmanager
-def compiled_by_two(
+def compile_by_two(
     planner: Planner, *, tell: Callable[[float, str], None] | None = None, to_the_end: bool = False
 ) -> Iterator[None]:
     """Compile here and in another process, and then let the planner work; nothing is compiled by both.

@@ -107,7 +107,7 @@ def search_plan(
     _require_runs(mission, resumes=resume is not None, observed=observe is not None)
     shared = should_stop if isinstance(should_stop, StopRule) and time_limit_s is None else None
     stop = shared or StopRule(time_limit_s, should_stop)
-    own = OwnThread(lambda: _searched(planner, request, judge))
+    own = OwnThread(lambda: _search(planner, request, judge))
     watch, observe, on_better, on_candidate = (
         None if each is None else _while_awaited(own, each) for each in (watch, observe, on_better, on_candidate)
     )
@@ -123,7 +123,7 @@ def search_plan(
     except KeyboardInterrupt:
         stop.stop()  # so that what is left ends soon
         raise
-    return found if found is not None else judge.left()
+    return found if found is not None else judge.leave()
 
 
 def _mention_compiling(planner: Planner, mission: Mission) -> None:
@@ -150,7 +150,7 @@ def _while_awaited(own: OwnThread[PlanSearch], callback: Callable[..., None]) ->
     return tell
 
 
-def _searched(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
+def _search(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
     """The planner's answer, and the check's report on it, which every NoPlanFound has as well."""
     stop = request.should_stop
     assert isinstance(stop, StopRule)
@@ -173,7 +173,7 @@ def _searched(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
     if report.verdict != "met":
         if stop.stopped and judge.passed is not None:
             return judge.passed
-        reason = f"the best plan found is not shown to meet the demand: {_judged(report)}"
+        reason = f"the best plan found is not shown to meet the demand: {_verdict_in_words(report)}"
         raise NoPlanFound(
             reason + (EARLY if stop.stopped else ""),
             best=answer.plan, checkpoint=answer.checkpoint, facts=answer.facts, report=report,
@@ -181,7 +181,7 @@ def _searched(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
     return PlanSearch(answer=answer, report=report, stopped_early=stop.stopped)
 
 
-def _judged(report: Report) -> str:
+def _verdict_in_words(report: Report) -> str:
     """The verdict, and the first thing that is wrong."""
     verdict, wrong = f"the check says {report.verdict!r}", report.violations
     more = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
@@ -236,7 +236,7 @@ class _Judge:
             if self._watch is not None and plan.mission.area == self._mission.area:
                 self._watch(checked_state(*last))
             if self._better is not None:
-                self._better.judged(*last)
+                self._better.note(*last)
         return last[1]
 
     @property
@@ -247,14 +247,14 @@ class _Judge:
             return None
         return PlanSearch(answer=Answer(plan=best[0]), report=best[1], stopped_early=True)
 
-    def left(self) -> PlanSearch:
+    def leave(self) -> PlanSearch:
         """The outcome of a search that was left: its best plan so far, or NoPlanFound with the best there is."""
         if self.passed is not None:
             return self.passed
         plan, report = (self._better and self._better.best) or (self._unchecked, None)
         reason = "the search did not come to an end in time after it was to stop"
         if report is not None:
-            reason += f"; the best plan so far is not shown to meet the demand: {_judged(report)}"
+            reason += f"; the best plan so far is not shown to meet the demand: {_verdict_in_words(report)}"
         elif plan is not None:
             reason += "; its best plan so far was not checked to the end"
         raise NoPlanFound(reason + EARLY, best=plan, report=report)

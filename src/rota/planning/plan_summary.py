@@ -51,11 +51,11 @@ def zones_served(plan: Plan, trajectory: Trajectory) -> tuple[str, ...]:
     period that it passes serves all of them together with other robots. Sight lines are not looked at: the check does
     that. Zones without a period are not listed.
     """
-    return _served(plan.mission, trajectory, _demands(plan.mission))[0]
+    return _zones_and_slack(plan.mission, trajectory, _demands(plan.mission))[0]
 
 
 def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) -> RobotRow:
-    zones, slack = _served(mission, trajectory, demands)
+    zones, slack = _zones_and_slack(mission, trajectory, demands)
     return RobotRow(
         robot=trajectory.robot,
         loop_length_m=trajectory.loop_length_m,
@@ -65,7 +65,7 @@ def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) ->
     )
 
 
-def _served(
+def _zones_and_slack(
     mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]
 ) -> tuple[tuple[str, ...], float | None]:
     """The zones served, and the slack; None when no zone is served without other robots."""
@@ -128,7 +128,7 @@ def _demands(mission: Mission) -> tuple[Zone, ...]:
     return (*zones, Zone(name=AREA, shape=rest, period_s=mission.period_s))
 
 
-def rounded(value: float) -> str:
+def round_off(value: float) -> str:
     """A loop's metres or seconds as people are told them: one decimal; below 1 two digits that count."""
     return f"{value:.1f}" if value >= 1 or value == 0 else f"{value:.2g}"
 
@@ -139,7 +139,7 @@ def robots_table(plan: Plan) -> str:
     for row in robot_rows(plan):
         slack = "shared" if row.slack is None else f"{row.slack:.0%}"
         served = ", ".join(row.zones) or "nothing"
-        lines.append((row.robot, rounded(row.loop_length_m), rounded(row.loop_time_s), slack, served))
+        lines.append((row.robot, round_off(row.loop_length_m), round_off(row.loop_time_s), slack, served))
     name, *numbers = (max(len(line[k]) for line in lines) for k in range(4))
     return "\n".join(
         "  ".join(
@@ -194,7 +194,7 @@ def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
 def approach_sentence(plan: Plan) -> str | None:
     """When the last robot that has a way to its loop begins it; None when all begin on their loops."""
     loops_s = max((trajectory.loop_start_s for trajectory in plan), default=0.0)
-    return f"All robots are on their loops {rounded(loops_s)} s after they set out." if loops_s > 0 else None
+    return f"All robots are on their loops {round_off(loops_s)} s after they set out." if loops_s > 0 else None
 
 
 def bound_sentence(plan: Plan) -> str | None:

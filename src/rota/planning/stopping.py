@@ -103,7 +103,7 @@ class OwnThread(Generic[Result]):
         within = contextvars.copy_context()  # numpy's handling of floating-point errors is a part of it
         self._thread = threading.Thread(target=within.run, args=(self._run,), name="rota work", daemon=True)
 
-    def awaited(self) -> Result:
+    def do_work(self) -> Result:
         """Do the work; what it gives or raises. It is left by who is interrupted while waiting."""
         self.result(lambda: False)
         return self._results[0]

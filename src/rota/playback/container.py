@@ -25,7 +25,7 @@ _NAMES = {np.dtype(code): name for name, code in TYPES.items()}
 EDGE = 8
 
 
-def packed(header: Json, arrays: Arrays) -> bytes:
+def pack(header: Json, arrays: Arrays) -> bytes:
     """The bytes of a playback. Each array has a dtype of ``TYPES``."""
     told: Json = {}
     blocks: list[bytes] = []
@@ -41,7 +41,7 @@ def packed(header: Json, arrays: Arrays) -> bytes:
     return b"".join([HEAD.pack(MAGIC, VERSION, len(text)), text, *blocks])
 
 
-def unpacked(data: bytes) -> tuple[Json, dict[str, NDArray[Any]]]:
+def unpack(data: bytes) -> tuple[Json, dict[str, NDArray[Any]]]:
     """The header and the arrays by name; ValueError for other bytes."""
     if len(data) < HEAD.size:
         raise ValueError(f"{len(data)} bytes are no playback")

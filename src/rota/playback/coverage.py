@@ -66,7 +66,7 @@ def range_over_time(plan: Plan) -> Coverage | None:
     )
 
 
-def entered_over_time(entered_s: Floats, cells: int) -> Coverage:
+def coverage_over_time(entered_s: Floats, cells: int) -> Coverage:
     """The share of ``cells`` cells that have been entered; entered_s: (rows, columns) when each first was, or inf."""
     times_s = np.unique(np.concatenate([[0.0], entered_s[np.isfinite(entered_s)]]))
     shares = np.searchsorted(np.sort(entered_s.ravel()), times_s, side="right") / max(cells, 1)

@@ -16,7 +16,14 @@ from rota.check.report import DemandVerdict, Report
 from rota.check.report_table import report_table
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
-from rota.planning.plan_summary import RobotRow, bound_sentence, ratio_sentence, robot_rows, robots_sentence, rounded
+from rota.planning.plan_summary import (
+    RobotRow,
+    bound_sentence,
+    ratio_sentence,
+    robot_rows,
+    robots_sentence,
+    round_off,
+)
 from rota.playback.playback import CELLS, playback_of
 
 STATIC = Path(rota.__file__).parent / "web" / "static"
@@ -150,5 +157,5 @@ def _table(caption: str, head: tuple[str, ...], rows: list[tuple[str | float, ..
 def _cell(value: str | float) -> str:
     if isinstance(value, str):
         return f"<td>{escape(value)}</td>"
-    text = "never" if value == float("inf") else rounded(value)
+    text = "never" if value == float("inf") else round_off(value)
     return f'<td class="number">{text}</td>'

@@ -15,8 +15,8 @@ from rota.model.plan import Plan, Trajectory
 from rota.planning.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence
 from rota.playback.bounces import cell_arrays, turn_arrays
 from rota.playback.cells import SeenCells, seen_cells
-from rota.playback.container import Json, packed
-from rota.playback.coverage import Coverage, entered_over_time, range_over_time
+from rota.playback.container import Json, pack
+from rota.playback.coverage import Coverage, coverage_over_time, range_over_time
 from rota.playback.ground import ground_to_json
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
@@ -61,7 +61,7 @@ def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
         "coverage": None if coverage is None else coverage.header,
         "cells": bounces.get("cells"),
     }
-    return packed(header, {**_corner_arrays(plan), **_cell_arrays(seen), **_coverage_arrays(coverage), **more})
+    return pack(header, {**_corner_arrays(plan), **_cell_arrays(seen), **_coverage_arrays(coverage), **more})
 
 
 def clock_of(plan: Plan) -> Json:
@@ -141,7 +141,7 @@ def _bounces(plan: Plan, report: Report) -> tuple[Json, Arrays]:
     grid, added, entered_s = cell_arrays(plan)
     told: Json = {"cells": grid}
     if report.cells_entered is not None:
-        told["coverage"] = entered_over_time(entered_s, report.cells_entered[1])
+        told["coverage"] = coverage_over_time(entered_s, report.cells_entered[1])
     return told, {**arrays, **added}
 
 

@@ -54,13 +54,13 @@ class Publishers:
         """Publish them all; those of packages that are not installed are left out."""
         for each in messages:
             if each.topic not in self._publishers:
-                self._publishers[each.topic] = self._made(each)
+                self._publishers[each.topic] = self._make(each)
             publisher = self._publishers[each.topic]
             if publisher is not None:
                 for number in range(len(each.stamps_ns)):
                     publisher.publish(each.data[number * each.size : (number + 1) * each.size])
 
-    def _made(self, message: Messages) -> Any:
+    def _make(self, message: Messages) -> Any:
         """The publisher of a topic; None where the package of its messages is not installed."""
         from rclpy.qos import DurabilityPolicy, QoSProfile
 

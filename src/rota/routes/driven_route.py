@@ -75,10 +75,10 @@ def route_with_whole_waits(route: Route) -> Route:
 
 def trajectory_of(route: Route, *, flat: bool) -> Trajectory:
     """The trajectory of a robot that drives the route exactly, see ``driven``."""
-    return driven(route.robot, from_start(route), route.every_round, flat=flat)
+    return drive_stops(route.robot, from_start(route), route.every_round, flat=flat)
 
 
-def driven(robot: str, once: Sequence[RouteStop], every_round: Sequence[RouteStop], *, flat: bool) -> Trajectory:
+def drive_stops(robot: str, once: Sequence[RouteStop], every_round: Sequence[RouteStop], *, flat: bool) -> Trajectory:
     """The trajectory of a robot that begins at the first stop of ``once`` and repeats ``every_round`` after the last.
 
     every_round: empty where the robot stays. flat: with positions (n, 2), else (n, 3). A stop without a speed is

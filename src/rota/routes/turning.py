@@ -45,13 +45,13 @@ def _at_bends(
     if turn_rate_rad_s is None:
         return tuple(once), tuple(every_round)
 
-    def changed(stops: Sequence[RouteStop]) -> list[RouteStop]:
+    def change_stops(stops: Sequence[RouteStop]) -> list[RouteStop]:
         triples = zip(stops, stops[1:], stops[2:], strict=False)
         return [change(at, _turn_rad(before, at, after) / turn_rate_rad_s) for before, at, after in triples]
 
-    first = changed([*once, *every_round[:1]])
+    first = change_stops([*once, *every_round[:1]])
     end = [] if every_round else once[-1:]
-    around = changed([once[-1], *every_round, *every_round[:1]])
+    around = change_stops([once[-1], *every_round, *every_round[:1]])
     return (once[0], *first, *(end if len(once) > 1 else [])), tuple(around)
 
 

@@ -93,20 +93,20 @@ def combinations(sweep: ReadSweep) -> Iterator[Combination]:
     are there once.
     """
     for mission_file, path in sweep.missions.items():
-        document, refused = _parsed(path)
+        document, refused = _parse(path)
         own = document.value.get("planner", DEFAULT) if document and isinstance(document.value, dict) else DEFAULT
         for planner in sweep.file.planners or [own]:
             for effort, settings in _choices(sweep.file, str(planner)):
                 mission, reason = None, refused
                 if document is not None:
-                    mission, reason = _resolved(document, path.parent, str(planner), effort, settings)
+                    mission, reason = _resolve(document, path.parent, str(planner), effort, settings)
                 yield Combination(
                     mission_file=mission_file, planner=str(planner), effort=effort, settings=settings, mission=mission,
                     refused=reason,
                 )  # fmt: skip
 
 
-def _parsed(path: Path) -> tuple[Document | None, str | None]:
+def _parse(path: Path) -> tuple[Document | None, str | None]:
     try:
         return mission_document(path), None
     except RotaError as error:
@@ -126,7 +126,7 @@ def _choices(file: SweepFile, planner: str) -> Iterator[tuple[str | None, dict[s
             yield effort, dict(zip(axes, values, strict=True))
 
 
-def _resolved(
+def _resolve(
     document: Document, folder: Path, planner: str, effort: str | None, settings: Mapping[str, Any]
 ) -> tuple[Mission | None, str | None]:
     """The mission as it is to be planned, or why it is refused."""

@@ -60,14 +60,14 @@ def planned_cell(task: Task, rota_version: str) -> Planned:
     try:
         if row["rota_version"] != rota_version:
             raise RuntimeError(f"{row['machine']} has rota {row['rota_version']}, the sweep's is {rota_version}")
-        plan, outcome = searched(task)
+        plan, outcome = search(task)
         row |= outcome
         row |= {"wall_s": time.perf_counter() - wall_s, "cpu_s": time.process_time() - cpu_s}
         if plan is not None:
-            text, judged = checked(plan, met=row["outcome"] == "met")
+            text, judged = check(plan, met=row["outcome"] == "met")
             row |= judged
     except Exception as error:  # whatever it is, it is a finding, and the others go on
-        row |= {"outcome": "crashed", "reason": told(error)}
+        row |= {"outcome": "crashed", "reason": error_in_words(error)}
         text = None
     row.setdefault("wall_s", time.perf_counter() - wall_s)
     row.setdefault("cpu_s", time.process_time() - cpu_s)
@@ -75,7 +75,7 @@ def planned_cell(task: Task, rota_version: str) -> Planned:
     return Planned(row, text)
 
 
-def searched(task: Task) -> tuple[Plan | None, Row]:
+def search(task: Task) -> tuple[Plan | None, Row]:
     """The plan of a search, or the best one of a search that failed, with the outcome and its reason."""
     from rota.model.plan import Plan
     from rota.planning.make_plan import search_plan
@@ -98,7 +98,7 @@ def searched(task: Task) -> tuple[Plan | None, Row]:
     return found.plan, row
 
 
-def checked(plan: Plan, *, met: bool) -> tuple[str, Row]:
+def check(plan: Plan, *, met: bool) -> tuple[str, Row]:
     """The text of a plan's file, and what there is to say of the plan that it reads back to.
 
     met: the search says so; a check that does not is a fault of ours, and the outcome says so.
@@ -128,7 +128,7 @@ def checked(plan: Plan, *, met: bool) -> tuple[str, Row]:
     return text, row
 
 
-def told(error: Exception) -> str:
+def error_in_words(error: Exception) -> str:
     """An exception that nobody expected, and where it was raised."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__} in {place.name}, {Path(place.filename).name}:{place.lineno}: {error}"

@@ -77,7 +77,7 @@ class Results:
         """Keep finished cells for good: plan files first, then the line that says so."""
         lines = []
         for cell, planned in done:
-            row = {**described(cell, sweep), **planned.row}
+            row = {**describe(cell, sweep), **planned.row}
             row["met"] = row["outcome"] == "met"
             if planned.plan_text is not None:
                 row["plan_file"] = f"{PLANS}/{cell.plan_name}"
@@ -108,7 +108,7 @@ class Results:
         self._sole.close()
 
 
-def described(cell: Cell, sweep: str) -> Row:
+def describe(cell: Cell, sweep: str) -> Row:
     """The columns that say what a cell is. settings: by path."""
     combination = cell.combination
     mission = combination.mission

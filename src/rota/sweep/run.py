@@ -85,7 +85,7 @@ class _Run:
         self._cells, self._alone = len(cells), first_alone
         missing = [cell for cell in cells if not results.has(cell, retry=retry)]
         refused = [cell for cell in missing if cell.combination.mission is None]
-        results.keep([(cell, _failed("refused", str(cell.combination.refused))) for cell in refused], name)
+        results.keep([(cell, _failure("refused", str(cell.combination.refused))) for cell in refused], name)
         self._left = deque(cell for cell in missing if cell.combination.mission is not None)
         self._running: dict[Future[list[Planned]], list[Cell]] = {}
         self._pace = _Pace([cell for cell in cells if results.has(cell)], results)
@@ -113,7 +113,7 @@ class _Run:
 
     def _hand_out(self, batch: list[Cell]) -> None:
         tasks = [Task(cell.combination.mission, cell.seed, cell.time_limit_s) for cell in batch]  # type: ignore[arg-type]
-        self._running[self._executor.submit(_planned, pickle.dumps(tasks), version("rota"))] = batch
+        self._running[self._executor.submit(_plan_all, pickle.dumps(tasks), version("rota"))] = batch
 
     def collect(self) -> None:
         """Keep what came back, after a moment at most."""
@@ -141,7 +141,7 @@ class _Run:
                     self._hand_out([cell])
                 return []
             outcome = "killed" if type(error).__name__ in DEATHS else "crashed"
-            return [(batch[0], _failed(outcome, f"{type(error).__name__}: {error}"))]
+            return [(batch[0], _failure(outcome, f"{type(error).__name__}: {error}"))]
 
     def standing(self) -> Standing:
         """How far it is."""
@@ -183,10 +183,10 @@ class _Pace:
         return sum(self.seconds(cell) for cell in cells) if self._all else None
 
 
-def _planned(tasks: bytes, rota_version: str) -> list[Planned]:
+def _plan_all(tasks: bytes, rota_version: str) -> list[Planned]:
     return planned_cells(pickle.loads(tasks), rota_version)
 
 
-def _failed(outcome: str, reason: str) -> Planned:
+def _failure(outcome: str, reason: str) -> Planned:
     """The outcome of a cell that no worker told anything of."""
     return Planned({"outcome": outcome, "reason": reason, "rota_version": version("rota")}, None)

@@ -56,11 +56,11 @@ class Summary:
     @property
     def label(self) -> str:
         """The combination in words."""
-        named = [f"{path} {shown(value)}" for path, value in self.settings.items()]
+        named = [f"{path} {show_value(value)}" for path, value in self.settings.items()]
         return ", ".join([self.mission, self.planner, *([self.effort] if self.effort else []), *named])
 
 
-def shown(value: Any) -> str:
+def show_value(value: Any) -> str:
     """The value of a field as people write it."""
     return value if isinstance(value, str) else json.dumps(value)
 
@@ -119,9 +119,9 @@ def summary_table(found: Sequence[Summary]) -> str:
     head = ["mission", "planner", "effort", *fields, "met", "bound", *(MEASURES[name][0] for name in measures)]
     rows = [head]
     for each in found:
-        settings = [shown(each.settings[path]) if path in each.settings else "-" for path in fields]
+        settings = [show_value(each.settings[path]) if path in each.settings else "-" for path in fields]
         bound = "-" if each.bound is None else str(each.bound)
-        means = [_told(each.means.get(name), MEASURES[name][1]) for name in measures]
+        means = [_mean_in_words(each.means.get(name), MEASURES[name][1]) for name in measures]
         names = [each.mission, each.planner, each.effort or "-"]
         rows.append([*names, *settings, f"{each.met} of {each.cells}", bound, *means])
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
@@ -133,7 +133,7 @@ def summary_table(found: Sequence[Summary]) -> str:
     return "\n".join(lines)
 
 
-def _told(mean: Mean | None, digits: int) -> str:
+def _mean_in_words(mean: Mean | None, digits: int) -> str:
     if mean is None:
         return "-"
     told = f"{mean.mean:,.{digits}f}"
@@ -151,7 +151,7 @@ def summary_csv(found: Sequence[Summary]) -> str:
     measured = [f"{name}_{part}" for name in measures for part in parts]
     writer.writerow(["mission", "planner", "effort", *fields, "cells", *outcomes, "lower_bound_robots", *measured])
     for each in found:
-        settings = [shown(each.settings[path]) if path in each.settings else None for path in fields]
+        settings = [show_value(each.settings[path]) if path in each.settings else None for path in fields]
         means = [each.means.get(name) for name in measures]
         values = [None if mean is None else getattr(mean, part) for mean in means for part in parts]
         counts = [each.outcomes.get(outcome, 0) for outcome in outcomes]

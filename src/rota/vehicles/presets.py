@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rota.errors import RotaError
-from rota.model.field_values import as_written
+from rota.model.field_values import in_file_form
 from rota.model.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
 
@@ -146,7 +146,7 @@ def vehicle_within(motion: MotionLimits) -> Vehicle:
     """The vehicle whose presets these limits are, with the values that they give otherwise."""
     assert motion.vehicle is not None, "limits of no vehicle"
     vehicle = vehicle_named(motion.vehicle, "vehicle")
-    given = {name: value for name, value in as_written(motion).items() if name != "vehicle"}
+    given = {name: value for name, value in in_file_form(motion).items() if name != "vehicle"}
     return replace(
         vehicle,
         **{

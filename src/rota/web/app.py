@@ -76,7 +76,7 @@ def make_app(
             )
         ],
         exception_handlers={
-            Refusal: _refused,
+            Refusal: _refuse,
             HTTPException: _http_error,
             sqlite3.Error: _unkept,
             OSError: _unkept,
@@ -91,7 +91,7 @@ def all_routes() -> list[Route]:
     return [*page.routes, *missions.routes, *jobs.routes, *plans.routes, *watches.routes]
 
 
-async def _refused(request: Request, error: Exception) -> Response:
+async def _refuse(request: Request, error: Exception) -> Response:
     assert isinstance(error, Refusal)
     headers = {"retry-after": "5"} if error.status in (429, 503) else None
     return JsonAnswer(error.to_json(), error.status, headers=headers)
@@ -109,7 +109,7 @@ async def _unkept(request: Request, error: Exception) -> Response:
     if refusal is None:
         raise error
     log.error("%s: %s", refusal, error)
-    return await _refused(request, refusal)
+    return await _refuse(request, refusal)
 
 
 async def _fault(request: Request, error: Exception) -> Response:

@@ -121,7 +121,7 @@ class Security:
                 await self._keep_token(scope, receive, send_with_headers)
                 return
             most = self._most_bytes(headers)
-            await self._app(scope, _limited(receive, headers, most), send_with_headers)
+            await self._app(scope, _limit(receive, headers, most), send_with_headers)
         except Refusal as refusal:
             if sent:
                 raise
@@ -141,7 +141,7 @@ class Security:
         await answer(scope, receive, send)
 
 
-def _limited(receive: Receive, headers: Headers, most: int) -> Receive:
+def _limit(receive: Receive, headers: Headers, most: int) -> Receive:
     """The body, up to so many bytes; Refusal 413 beyond, and before any is read where the length is told."""
     told = headers.get("content-length")
     if told is not None and (not told.isascii() or not told.isdigit() or int(told) > most):

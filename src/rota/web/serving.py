@@ -61,7 +61,7 @@ class Serving:
             h11_max_incomplete_event_size=64 * 1024, http=PatientProtocol, ws="none", lifespan="on",
         )  # fmt: skip
 
-        def started() -> None:
+        def note_start() -> None:
             say(f"The page: {page}")
             say(f"What you make is kept in {self.data}; Ctrl-C ends the server.")
             if token is not None:
@@ -70,7 +70,7 @@ class Serving:
                 show(page)
 
         server = _Server(config)
-        server.told = started
+        server.told = note_start
         try:
             asyncio.run(server.serve(sockets=[listening]))
         except KeyboardInterrupt:

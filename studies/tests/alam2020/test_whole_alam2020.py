@@ -14,7 +14,7 @@ from PIL import Image
 
 from rota.command.cli import run
 from rota.planners.bounce.cells import make_cells
-from rota.planners.bounce.planner import bouncing_robots, covered_by
+from rota.planners.bounce.planner import bouncing_robots, coverage_by
 from rota_studies.alam2020 import maps, study as study_module
 from rota_studies.alam2020.runs import StudySettings, steps_until
 from rota_studies.alam2020.study import alam2020_study
@@ -63,7 +63,7 @@ def test_tables_are_whole_markdown(study: Study) -> None:
 def test_steps_are_those_of_the_planner(study: Study) -> None:
     mission = maps.room(maps.ROOM_10, 3, 135.0, method="improved")
     bouncing = bouncing_robots(mission, make_cells(mission))
-    steps = [covered_by(bouncing, seed=seed).steps for seed in (2, 3)]
+    steps = [coverage_by(bouncing, seed=seed).steps for seed in (2, 3)]
     table = study.sections[1].tables[0]
     row = next(row for row in table.rows if row[:2] == ("3", "improved"))
     assert row[2:5] == (
@@ -92,7 +92,7 @@ def test_the_papers_counts_stand_at_their_angles(study: Study) -> None:
 def test_steps_until_a_share_by_hand() -> None:
     mission = maps.room("....", 1, 180.0, method="as_printed", start_headings_deg=(0.0,))
     bouncing = bouncing_robots(mission, make_cells(mission))
-    found = covered_by(bouncing, seed=0)
+    found = coverage_by(bouncing, seed=0)
     cells = found.states[:, 0] // 8
     for share, wanted in ((0.25, 1), (0.5, 2), (0.51, 3), (1.0, 4)):
         by_hand = next(step for step in range(len(cells)) if len(set(cells[: step + 1].tolist())) >= wanted)
@@ -122,7 +122,7 @@ def test_random_rooms_hang_together() -> None:
         assert [len(line) for line in text.splitlines()] == [10] * 8
         assert text.count("#") >= 15
         mission = maps.room(text, 1, 135.0, method="improved")
-        assert covered_by(bouncing_robots(mission, make_cells(mission)), seed=seed).complete
+        assert coverage_by(bouncing_robots(mission, make_cells(mission)), seed=seed).complete
 
 
 def test_the_same_seed_gives_the_same_files(study: Study) -> None:

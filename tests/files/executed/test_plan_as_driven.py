@@ -17,7 +17,7 @@ from rota.check.motion import motion_violations
 from rota.check.routes import commensurable_classes
 from rota.errors import PlanError
 from rota.exports import FORMATS
-from rota.files.executed.mavlink import exactly, told, told_by_qgroundcontrol, told_by_waypoints
+from rota.files.executed.mavlink import exactly, read_items, read_qgroundcontrol, read_waypoints
 from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 from rota.files.mission_items import Item
 from rota.files.plan_table import csv_text
@@ -143,7 +143,7 @@ def to_and_fro(hold_s: float, speed_m_s: float = 5.0) -> list[Item]:
 
 def flown(items: list[Item], autopilot: str) -> Trajectory:
     first = PLAN.trajectories[0]
-    return exactly(first, told(PLAN, first, items, autopilot))  # type: ignore[arg-type]
+    return exactly(first, read_items(PLAN, first, items, autopilot))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -224,7 +224,7 @@ def test_files_of_stops_hold_the_corners_and_the_top_speeds(name: str) -> None:
 
 def test_files_of_stops_tell_the_greatest_speeds() -> None:
     plan = with_mass()
-    folded = [told_by_waypoints(plan, plan.trajectories[0]), told_by_qgroundcontrol(plan, plan.trajectories[0], "px4")]
+    folded = [read_waypoints(plan, plan.trajectories[0]), read_qgroundcontrol(plan, plan.trajectories[0], "px4")]
     for told_stops in folded:
         assert [stop.speed_m_s for stop in told_stops.every_round] == pytest.approx([8, 8, 8, 8])
 

@@ -20,7 +20,7 @@ from rota.planners.bounce.bounce_map import (
     make_team,
     require_memory,
     single_map,
-    told_apart,
+    tell_apart,
 )
 
 SMALL = ".#.\n...\n..#"
@@ -101,7 +101,7 @@ def test_unordered_robots_have_the_cycles_of_ordered_ones(text: str, robots: int
     sets = cycles_and_basins(joint_map(team, unordered=True))
     assert len(sets.cycle) == math.comb(cells.states, robots)
     expected = sorted(zip(ordered.length.tolist(), ordered.basin.tolist(), strict=True))
-    counts, lengths, basins = told_apart(team, sets)
+    counts, lengths, basins = tell_apart(team, sets)
     told = [pair for c, *pair in zip(counts, lengths, basins, strict=True) for _ in range(c)]
     assert sorted((int(length), int(basin)) for length, basin in told) == expected
     assert counts.max() > 1

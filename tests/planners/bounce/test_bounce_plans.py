@@ -20,9 +20,9 @@ from rota.model.plan import Plan
 from rota.planners.bounce import chosen_group, sentences
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
-from rota.planners.bounce.enumeration import printed
+from rota.planners.bounce.enumeration import groups_as_printed
 from rota.planners.bounce.limit_cycles import zone_cells
-from rota.planners.bounce.planner import bouncing_robots, covered_by, monitoring_plan, watch_of
+from rota.planners.bounce.planner import bouncing_robots, coverage_by, monitoring_plan, watch_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.sentences import rattling_sentence, swept_sentence
 from rota.planners.bounce.trajectories import pace_of, step_duration_s
@@ -288,7 +288,7 @@ def test_covering_takes_as_many_steps_as_it_is_allowed(robots: int) -> None:
     def steps_of(most: int) -> tuple[int, bool]:
         allowed = replace(mission, planning=replace(BounceSettings.of(mission), most_steps=most))
         bouncing = bouncing_robots(allowed, make_cells(allowed))
-        found = covered_by(bouncing, seed=1)
+        found = coverage_by(bouncing, seed=1)
         return found.steps, found.complete
 
     needed, complete = steps_of(10_000)
@@ -333,7 +333,7 @@ def test_the_printed_algorithm_tells_its_own_groups() -> None:
     mission = mission_on(text, 2, zones, method="as_printed", purpose="worst_gap")
     told = search_plan(mission).facts
     bouncing = bouncing_robots(mission, make_cells(mission))
-    kept, listed = printed(bouncing.team, zone_cells(bouncing.cells, list(zones)), 8)
+    kept, listed = groups_as_printed(bouncing.team, zone_cells(bouncing.cells, list(zones)), 8)
     p, q = int(listed.length.sum()), int((listed.basin - listed.length).sum())
     groups = (
         f"Algorithm 2 as printed keeps {kept:,} periodic groups (r), of {p:,} joint states (P), and {q:,} transient"

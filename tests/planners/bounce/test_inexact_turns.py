@@ -88,7 +88,7 @@ def test_as_much_is_seen_as_by_small_steps_of_time(robots: int, angle_deg: float
     mean = found.mean_seen(duration_s)
     assert mean.error < 0.01
     assert mean.value == pytest.approx(shares.mean(), abs=0.01)
-    assert np.abs(found.seen(duration_s) - shares).max() < 5 * math.sqrt(0.5 / runs)
+    assert np.abs(found.entered_shares(duration_s) - shares).max() < 5 * math.sqrt(0.5 / runs)
 
 
 def test_without_errors_a_way_is_that_of_exact_bounces() -> None:

@@ -16,10 +16,10 @@ from rota.planners.bounce import bounce_map
 from rota.planners.bounce.bounce_map import make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.chosen_group import sampled_basins
-from rota.planners.bounce.enumeration import enumerate_groups, nodes_of, printed
+from rota.planners.bounce.enumeration import enumerate_groups, groups_as_printed, nodes_of
 from rota.planners.bounce.group_count import TooMany, Work, count_groups, count_independent
 from rota.planners.bounce.group_search import best_group
-from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles
+from rota.planners.bounce.limit_cycles import cycles_see, limit_cycles, require_watchable
 from rota.planners.bounce.monitoring import Watch, canonical, groups
 
 Joint = tuple[State, ...]
@@ -112,7 +112,7 @@ def test_products_of_cycles_are_the_groups_of_the_joint_space(
     expected = brute.groups()
     team, inside = make_team(cells, bounces), inside_of(cells, zones)
     cycles = limit_cycles(team)
-    watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, headings), period_steps=np.ones(len(zones)))
+    watch = Watch(cycles=cycles, sees=cycles_see(cycles, inside, headings), period_steps=np.ones(len(zones)))
     assert count_groups(cycles, watch.sees) == len(expected)
     found = set()
     for nodes in groups(watch):
@@ -131,7 +131,7 @@ def test_products_of_cycles_are_the_groups_of_the_joint_space(
         assert told == {cycle: brute.basin(cycle, contact_free) for cycle in expected}
     number = {joint_of(cells, [s])[0]: s for s in range(cells.states)}
     order = sorted(brute.step, key=lambda joint: [number[state] for state in reversed(joint)])
-    kept, listed = printed(team, inside, headings)
+    kept, listed = groups_as_printed(team, inside, headings)
     assert kept == brute.printed(order) == len(listed.length)
     assert kept <= len(expected) or zones  # a transient may enter a zone that the cycle does not
 
@@ -150,14 +150,14 @@ def test_a_joint_map_is_gone_through_in_parts_and_left_where_the_search_is_to_st
     for together in (1 << 22, 10_007):
         monkeypatch.setattr(bounce_map, "STATES_TOGETHER", together)
         asked[0] = 0
-        kept, listed = printed(team, inside, 8, counted)
+        kept, listed = groups_as_printed(team, inside, 8, counted)
         outcomes.append((kept, listed.states.tolist(), listed.length.tolist(), listed.basin.tolist()))
     assert outcomes[0] == outcomes[1]
     assert asked[0] == 3 * -(-(cells.states**3) // 10_007)
     for stops_at in (1, asked[0] // 2, asked[0]):  # in each of the three ways through it
         asked[0] = 0
         with pytest.raises(NoPlanFound, match="stopped before the joint map was gone through"):
-            printed(team, inside, 8, lambda at=stops_at: counted(at))  # type: ignore[misc]
+            groups_as_printed(team, inside, 8, lambda at=stops_at: counted(at))  # type: ignore[misc]
         assert asked[0] == stops_at
 
 
@@ -168,7 +168,7 @@ def test_the_cases_have_groups_and_the_printed_order_loses_some() -> None:
         team, inside = make_team(cells, bounces), inside_of(cells, zones)
         cycles = limit_cycles(team)
         counts.append(
-            (count_groups(cycles, seen_by_cycles(cycles, inside, headings)), printed(team, inside, headings)[0])
+            (count_groups(cycles, cycles_see(cycles, inside, headings)), groups_as_printed(team, inside, headings)[0])
         )
     assert sum(count > 10 for count, _ in counts) >= 3
     assert any(kept < count for count, kept in counts)
@@ -244,7 +244,7 @@ def test_the_best_group_is_the_best_of_all() -> None:
     for bounces in ([3, 3], [2, 2], [2, 3], [1, 2]):
         cells = typed_cells(BENT)
         cycles = limit_cycles(make_team(cells, bounces))
-        sees = seen_by_cycles(cycles, inside_of(cells, zones), 8)
+        sees = cycles_see(cycles, inside_of(cells, zones), 8)
         watch = Watch(cycles=cycles, sees=sees, period_steps=np.array([7.0, 11.0]))
         found = best_group(watch)
         everything = [watch.ratio(nodes) for nodes in groups(watch)]
@@ -268,7 +268,7 @@ def test_gaps_are_those_of_a_simulation() -> None:
     cycles = limit_cycles(team)
     zones = [{(0, 0), (1, 0)}, {(3, 2)}]
     inside = inside_of(cells, zones)
-    watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, 8), period_steps=np.array([1.0, 1.0]))
+    watch = Watch(cycles=cycles, sees=cycles_see(cycles, inside, 8), period_steps=np.array([1.0, 1.0]))
     plain = PlainTeam(BENT, [2, 3])
     tried = 0
     for nodes in itertools.islice(groups(watch), 20):
@@ -294,7 +294,7 @@ def test_nodes_of_states_and_zones_that_no_cycle_enters() -> None:
     for states in listed.states:
         assert (cycles.state[list(nodes_of(cycles, states))] == states).all()
     never = sorted(set(range(cells.count)) - set((cycles.state // 8).tolist()))
-    sees = seen_by_cycles(cycles, np.zeros((2, cells.count), np.bool_), 8)
+    sees = cycles_see(cycles, np.zeros((2, cells.count), np.bool_), 8)
     nowhere = np.zeros((2, cells.count), np.bool_)
     with pytest.raises(MissionError, match=r"^zones gate, yard: no limit .* enters them.*; nor do .* other headings"):
         require_watchable(sees, ["gate", "yard"], cells, nowhere)
@@ -354,7 +354,7 @@ def test_cycles_that_never_enter_a_zone_do_not_count_as_good() -> None:
     team = make_team(cells, [2] * rooms)
     cycles = limit_cycles(team)
     inside = np.array([cells.column // 4 == room for room in range(rooms)])
-    watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, 8), period_steps=np.full(rooms, 10.0))
+    watch = Watch(cycles=cycles, sees=cycles_see(cycles, inside, 8), period_steps=np.full(rooms, 10.0))
     found = best_group(watch, most_nodes=500)
     assert found.group is not None
     assert found.proved
@@ -368,7 +368,7 @@ def test_cycles_that_never_enter_a_zone_do_not_count_as_good() -> None:
     assert (stopped.proved, stopped.unproved) == (False, "the search was stopped")
     # one robot less leaves a room unseen, and that is proved
     fewer = limit_cycles(make_team(cells, [2] * (rooms - 1)))
-    sees = seen_by_cycles(fewer, inside, 8)
+    sees = cycles_see(fewer, inside, 8)
     none = best_group(Watch(cycles=fewer, sees=sees, period_steps=np.full(rooms, 10.0)))
     assert (none.group, none.proved) == (None, True)
 
@@ -386,7 +386,7 @@ def test_the_best_group_of_three_zones_is_the_best_of_all(seed: int) -> None:
         inside = np.zeros((3, cells.count), np.bool_)
         inside[np.arange(3), rng.choice(cells.count, 3)] = True
         period = rng.uniform(3, 20, 3)
-        watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, 8), period_steps=period)
+        watch = Watch(cycles=cycles, sees=cycles_see(cycles, inside, 8), period_steps=period)
         ratios = [watch.ratio(nodes) for nodes in groups(watch)]
         found = best_group(watch)
         assert found.proved
@@ -402,7 +402,7 @@ def test_a_count_has_a_bound_on_all_its_work() -> None:
     cycles = limit_cycles(make_team(cells, [2, 2, 2]))
     inside = cells.column == np.arange(20)[:, None]
     with pytest.raises(TooMany):
-        count_groups(cycles, seen_by_cycles(cycles, inside, 8), most_work=30_000)
+        count_groups(cycles, cycles_see(cycles, inside, 8), most_work=30_000)
     # the same zone twenty times is one
-    once = count_groups(cycles, seen_by_cycles(cycles, inside[:1], 8))
-    assert count_groups(cycles, seen_by_cycles(cycles, inside[[0] * 20], 8), most_work=3_000_000) == once > 0
+    once = count_groups(cycles, cycles_see(cycles, inside[:1], 8))
+    assert count_groups(cycles, cycles_see(cycles, inside[[0] * 20], 8), most_work=3_000_000) == once > 0

@@ -25,7 +25,7 @@ def left_of(share: float, half_s: float) -> Inexact:
 
 def test_who_is_watched_as_well_is_ranked_by_the_time_to_the_first_contact() -> None:
     found = {0: left_of(0.9, 100), 1: left_of(0.89, 300), 2: left_of(0.5, math.inf), 3: left_of(0.885, 200)}
-    assert robust_team.ranked(found) == [1, 3, 0, 2]
+    assert robust_team.rank(found) == [1, 3, 0, 2]
 
 
 def test_the_chosen_team_keeps_no_less_than_the_first(monkeypatch: pytest.MonkeyPatch) -> None:

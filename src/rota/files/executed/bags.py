@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rota.files.executed.timed_files import driven_at
+from rota.files.executed.timed_files import drive_at
 from rota.files.ros.bags import write_rosbag1, write_rosbag2
 from rota.files.ros.library import require_rosbags, types_of
 from rota.files.ros.names import namespaces
@@ -43,5 +43,5 @@ def as_bag(plan: Plan, storage: Literal["mcap", "sqlite3", "rosbag1"]) -> tuple[
         stamps = [each.header.stamp for each in poses]
         times_s = np.array([stamp.sec - begin_s + stamp.nanosec / NS_PER_S for stamp in stamps])
         places_m = np.array([[at.x, at.y, at.z] for at in (each.pose.position for each in poses)])
-        made.append(driven_at(plan, trajectory, times_s, places_m, trajectory.loop_index))
+        made.append(drive_at(plan, trajectory, times_s, places_m, trajectory.loop_index))
     return tuple(made)

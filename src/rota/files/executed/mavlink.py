@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.errors import PlanError
-from rota.files.executed.time_lost import driven_by_file
+from rota.files.executed.time_lost import drive_by_file
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import (
     DO_CHANGE_SPEED,
@@ -49,30 +49,30 @@ class Told(NamedTuple):
 
 def as_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
     """One robot as ArduPilot flies its list of waypoints."""
-    return exactly(trajectory, told_by_waypoints(plan, trajectory))
+    return exactly(trajectory, read_waypoints(plan, trajectory))
 
 
-def told_by_waypoints(plan: Plan, trajectory: Trajectory) -> Told:
+def read_waypoints(plan: Plan, trajectory: Trajectory) -> Told:
     """What a list of waypoints tells ArduPilot."""
     lines = waypoint_list_text(plan, trajectory).splitlines()[2:]  # without the first line and home
     rows = [[float(word) for word in line.split("\t")] for line in lines]
     items = [Item(int(row[3]), int(row[2]), list(row[4:11])) for row in rows]
-    return told(plan, trajectory, items, "ardupilot")
+    return read_items(plan, trajectory, items, "ardupilot")
 
 
 def as_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot) -> Trajectory:
     """One robot as an autopilot flies its plan of QGroundControl."""
-    return exactly(trajectory, told_by_qgroundcontrol(plan, trajectory, autopilot))
+    return exactly(trajectory, read_qgroundcontrol(plan, trajectory, autopilot))
 
 
-def told_by_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot) -> Told:
+def read_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot) -> Told:
     """What a plan of QGroundControl tells an autopilot."""
     document = json.loads(json.dumps(trajectory_to_qgroundcontrol(plan, trajectory, autopilot=autopilot)))
     items = [Item(item["command"], item["frame"], item["params"]) for item in document["mission"]["items"]]
-    return told(plan, trajectory, items, autopilot)
+    return read_items(plan, trajectory, items, autopilot)
 
 
-def told(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autopilot) -> Told:
+def read_items(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autopilot) -> Told:
     """What items tell, numbered from 1, which begin with a take-off and end with a jump or unlimited loitering.
 
     The loop is what is flown between the second time and the third time that the jump comes: speeds of the first round
@@ -90,7 +90,7 @@ def told(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autop
 
 def exactly(trajectory: Trajectory, told: Told) -> Trajectory:
     """The trajectory of a vehicle that does all that it is told, and speeds up and brakes as the plan has it."""
-    return driven_by_file(trajectory, told.once, told.every_round)
+    return drive_by_file(trajectory, told.once, told.every_round)
 
 
 def _stops(plan: Plan, robot: str, items: list[Item], autopilot: Autopilot) -> tuple[list[RouteStop], int, int]:

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from rota.errors import RotaError
-from rota.files.executed.mavlink import Told, told_by_qgroundcontrol, told_by_waypoints
+from rota.files.executed.mavlink import Told, read_qgroundcontrol, read_waypoints
 from rota.model.fleet import Fleet, Robot
 from rota.model.motion_limits import AT_ONCE
 from rota.model.plan import Plan, Trajectory
@@ -21,8 +21,8 @@ from rota.vehicles.models import model_of
 from rota.vehicles.motion import Motion, MotionModel, Way, Wind
 
 TOLD: dict[str, Callable[[Plan, Trajectory], Told]] = {
-    "qgroundcontrol": partial(told_by_qgroundcontrol, autopilot="ardupilot"),
-    "waypoints": told_by_waypoints,
+    "qgroundcontrol": partial(read_qgroundcontrol, autopilot="ardupilot"),
+    "waypoints": read_waypoints,
 }
 
 Kind = TypeVar("Kind", Fleet, Robot)
@@ -85,8 +85,8 @@ def _fastest_m_s(trajectory: Trajectory) -> float:
 def _as_fast_as(fleet: Fleet, most_m_s: float) -> Fleet:
     """The fleet whose robots may be so fast, and turn and change speed as they like."""
 
-    def freed(one: Kind) -> Kind:
+    def free(one: Kind) -> Kind:
         speed_m_s = max(one.speed_m_s, most_m_s)
         return replace(one, speed_m_s=speed_m_s, turn_rate_rad_s=None, turn_radius_m=0.0, motion=AT_ONCE)
 
-    return replace(freed(fleet), robots=fleet.robots and tuple(map(freed, fleet.robots)))
+    return replace(free(fleet), robots=fleet.robots and tuple(map(free, fleet.robots)))

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from rota.model.plan import Trajectory
-from rota.routes.driven_route import driven, from_start
+from rota.routes.driven_route import drive_stops, from_start
 from rota.routes.route import RouteStop, route_of
 from rota.routes.turning import turning
 
 SAME_STOP_M = 0.1  # within which a stop of a file is one of the plan, rounded
 
 
-def driven_by_file(
+def drive_by_file(
     trajectory: Trajectory,
     once: Sequence[RouteStop],
     every_round: Sequence[RouteStop],
@@ -35,7 +35,7 @@ def driven_by_file(
         once = _losing(planned, once)
         every_round = _losing(planned, [once[-1], *every_round])[1:]
     once, every_round = turning(once, every_round, turn_rate_rad_s)
-    return driven(trajectory.robot, once, every_round, flat=trajectory.positions_m.shape[1] == 2)
+    return drive_stops(trajectory.robot, once, every_round, flat=trajectory.positions_m.shape[1] == 2)
 
 
 def _losing(planned: Sequence[RouteStop], stops: Sequence[RouteStop]) -> list[RouteStop]:

@@ -36,7 +36,7 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
         columns = ["x_m", "y_m", *(["z_m"] if trajectory.positions_m.shape[1] == 3 else [])]
         places_m = np.array([[float(row[column]) for column in columns] for row in own])
         first = [row["in_loop"] for row in own].index("1")
-        made.append(driven_at(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
+        made.append(drive_at(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
         if trajectory.accelerations_m_s2 is not None:
             given = np.array([float(row["acceleration_m_s2"]) for row in own[:-1]])
             made[-1] = replace(made[-1], accelerations_m_s2=given)
@@ -67,7 +67,7 @@ def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
         places_m = np.array(places[trajectory.robot], dtype=np.float64)
         if projection is not None:
             places_m[:, :2] = metres_read(places_m, projection)
-        made.append(driven_at(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
+        made.append(drive_at(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
     return tuple(made)
 
 
@@ -121,10 +121,10 @@ def _on_ground(
     plan: Plan, trajectory: Trajectory, times_s: Floats, degrees: Floats, projection: Projection
 ) -> Trajectory:
     places_m = np.column_stack([metres_read(degrees, projection), degrees[:, 2]])
-    return driven_at(plan, trajectory, times_s, places_m, trajectory.loop_index)
+    return drive_at(plan, trajectory, times_s, places_m, trajectory.loop_index)
 
 
-def driven_at(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
+def drive_at(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
     """The robot's trajectory of other numbers, with as many coordinates; the loop begins at number ``first``.
 
     Of points that come at one time the last one counts. The robot is late where it had to be faster than it can.

@@ -17,7 +17,7 @@ from rota.files.dji_waylines import (
     WaylineSettings,
     kmz_of,
 )
-from rota.files.executed.time_lost import driven_by_file
+from rota.files.executed.time_lost import drive_by_file
 from rota.files.executed.timed_files import metres_read
 from rota.files.geodesy import projection_of
 from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
@@ -77,7 +77,7 @@ def as_nav2_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
     once, every_round = parts
     if trajectory.loop_duration_s == 0:
         every_round = []
-    return driven_by_file(trajectory, once, every_round, robot.turn_rate_rad_s)
+    return drive_by_file(trajectory, once, every_round, robot.turn_rate_rad_s)
 
 
 def as_vda5050_orders(plan: Plan, trajectory: Trajectory) -> Trajectory:
@@ -124,6 +124,6 @@ def _in_rounds(
     route = route_of(trajectory, start_height_m(trajectory, altitude_m))
     first, a_round = len(from_start(route)), len(route.every_round)
     if not a_round:
-        return driven_by_file(trajectory, stops, [], turn_rate_rad_s)
+        return drive_by_file(trajectory, stops, [], turn_rate_rad_s)
     once, every_round = stops[: first + a_round], stops[first + a_round : first + 2 * a_round]
-    return driven_by_file(trajectory, once, every_round, turn_rate_rad_s)
+    return drive_by_file(trajectory, once, every_round, turn_rate_rad_s)

@@ -63,7 +63,7 @@ def pose_messages(track: Track, stamps: Stamps, generation: Generation) -> Messa
         topic=f"/{track.namespace}/pose",
         kind="geometry_msgs/msg/PoseStamped",
         stamps_ns=stamps,
-        data=layout.filled(track, stamps),
+        data=layout.fill(track, stamps),
         size=layout.size,
     )
 
@@ -76,7 +76,7 @@ def transform_messages(track: Track, stamps: Stamps, generation: Generation) -> 
         topic="/tf_static" if track.still else "/tf",
         kind=TRANSFORMS_KIND,
         stamps_ns=stamps[told],
-        data=layout.filled(track, stamps[told], told),
+        data=layout.fill(track, stamps[told], told),
         size=layout.size,
         latched=track.still,
     )
@@ -85,11 +85,11 @@ def transform_messages(track: Track, stamps: Stamps, generation: Generation) -> 
 def path_message(track: Track, stamps: Stamps, generation: Generation) -> Messages:
     """The Path of a track, told at its first time; each of its poses has its own time."""
     front = _Layout(generation).header().constant("<u4", len(stamps))
-    parts = [front.filled(track, stamps[:1])]
+    parts = [front.fill(track, stamps[:1])]
     # from the second pose on all begin at a multiple of 8 bytes
     for some in (slice(0, 1), slice(1, None)):
         layout = _Layout(generation, lead=b"", at=sum(map(len, parts)) - len(front.lead)).header().numbers("<f8", POSE)
-        parts.append(layout.filled(track, stamps[some], some))
+        parts.append(layout.fill(track, stamps[some], some))
     data = b"".join(parts)
     return Messages(
         topic=f"/{track.namespace}/path",
@@ -141,7 +141,7 @@ class _Layout:
             self.size += np.dtype(code).itemsize
         return self
 
-    def filled(self, track: Track, stamps: Stamps, some: slice = slice(None)) -> bytes:
+    def fill(self, track: Track, stamps: Stamps, some: slice = slice(None)) -> bytes:
         """The bytes of a message for each of the stamps, which belong to ``some`` of the track's poses."""
         columns: dict[str, Any] = {"s": stamps // NS_PER_S, "ns": stamps % NS_PER_S}
         columns |= {"x": track.positions_m[some, 0], "y": track.positions_m[some, 1], "z": track.positions_m[some, 2]}

@@ -61,11 +61,11 @@ def plan_any_angle(request: Request, plan_one: Callable[[Mission, Callable[[floa
         if k and request.should_stop() and any(one.answer for one in tried):
             break
 
-        def told(share: float, doing: str, k: int = k) -> None:
+        def tell(share: float, doing: str, k: int = k) -> None:
             request.progress((k + share) / len(angles), f"{angles[k]:g} degrees: {doing}")
 
-        told(0.0, "planning")
-        tried.append(_one(request, replace(settings, bouncing_angles_deg=(angle_deg,)), plan_one, told))
+        tell(0.0, "planning")
+        tried.append(_one(request, replace(settings, bouncing_angles_deg=(angle_deg,)), plan_one, tell))
     works = [one for one in tried if one.answer is not None]
     if not works:
         reasons = "; ".join(f"{one.angle_deg:g}: {one.why}" for one in tried)

@@ -170,7 +170,7 @@ def cycles_and_basins(successor: Any) -> Decomposition:
     return Decomposition(cycle=labels.view(np.int32), first=first, length=length, basin=basin)
 
 
-def told_apart(team: Team, decomposition: Decomposition) -> tuple[Longs, Longs, Longs]:
+def tell_apart(team: Team, decomposition: Decomposition) -> tuple[Longs, Longs, Longs]:
     """Cycles of robots that are told apart, from the decomposition of the unordered map.
 
     Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. Over a cycle of

@@ -16,7 +16,7 @@ from rota.model.mission import Mission, Robot
 from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import SettlingRoom, steps_to_cycles
-from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, nodes_of, printed
+from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, groups_as_printed, nodes_of
 from rota.planners.bounce.group_search import Searched, best_group
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import LimitCycles, zone_cells
@@ -136,9 +136,9 @@ def _goes_first(new: tuple[float, int], old: tuple[float, int], purpose: str) ->
 def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells, should_stop: Callable[[], bool]) -> Choice:
     """The best of the groups that Algorithm 2 keeps as it is printed, and how many these are."""
     settings, zones = BounceSettings.of(mission), [zone for zone in mission.zones if zone.period_s is not None]
-    kept, listed = printed(team, zone_cells(cells, zones), cells.headings, should_stop)
+    kept, listed = groups_as_printed(team, zone_cells(cells, zones), cells.headings, should_stop)
     order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
-    chosen = _best_of(_begun(watch, listed, order), settings.purpose)
+    chosen = _best_of(_groups_that_may_begin(watch, listed, order), settings.purpose)
     whole = kept == len(listed.basin)
     unproved = None if whole else f"only the first {len(listed.basin):,} of its groups were looked at"
     return Choice(chosen=chosen, proved=whole, unproved=unproved, told=_sentence_of_printed(watch, kept, listed))
@@ -165,7 +165,7 @@ def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
     return Chosen(cycles=watch.cycles, nodes=nodes, transient=np.empty((0, len(nodes)), np.int32), ratio=ratio)
 
 
-def _begun(watch: Watch, listed: JointGroups, order: Iterable[int]) -> Iterator[Chosen]:
+def _groups_that_may_begin(watch: Watch, listed: JointGroups, order: Iterable[int]) -> Iterator[Chosen]:
     """The listed groups in this order, those whose robots may go together."""
     for k in order:
         nodes = nodes_of(watch.cycles, listed.states[k])
@@ -206,7 +206,7 @@ def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, rat
         zones = [zone for zone in mission.zones if zone.period_s is not None]
         listed = enumerate_groups(team, zone_cells(cells, zones), cells.headings, contact_free=contact_free)
         order = np.argsort(-listed.basin, kind="stable")
-        return Choice(chosen=_best_of(_begun(watch, listed, order), "basin", rattling), proved=True)
+        return Choice(chosen=_best_of(_groups_that_may_begin(watch, listed, order), "basin", rattling), proved=True)
     hits = sampled_basins(watch, team, free=contact_free == "trajectory", seed=seed)
     sampled = (begin_there(watch, nodes, watch.ratio(nodes)) for nodes, _ in hits)
     unproved = f"only {SAMPLES:,} random starts were tried"
@@ -226,7 +226,7 @@ def sampled_basins(
     hits: Counter[tuple[int, ...]] = Counter()
     for start in rng.integers(0, s, (samples, m)):
         if len({(int(team.x[a]), int(team.y[a])) for a in start}) == m:
-            way = _settled(watch.cycles, team, start.tolist(), free, SAMPLED_STEPS)
+            way = _settle(watch.cycles, team, start.tolist(), free, SAMPLED_STEPS)
             if way is not None:
                 hits[canonical(watch.cycles, nodes_of(watch.cycles, way[-1]))] += 1
     return sorted(hits.items(), key=lambda entry: (-entry[1], entry[0]))
@@ -250,7 +250,7 @@ def ways_from_starts(
     headings = settings.headings
     for facing in _headings(facings, headings, len(at), seed):
         states = [cell * headings + h for cell, h in zip(at, facing, strict=True)]
-        way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")
+        way = _settle(watch.cycles, team, states, settings.contact_free == "trajectory")
         if way is None:
             continue
         nodes = nodes_of(watch.cycles, way[-1])
@@ -296,7 +296,7 @@ def _headings(given: list[int] | None, headings: int, robots: int, seed: int) ->
         yield from np.random.default_rng(seed).integers(0, headings, (MOST_HEADINGS, robots)).tolist()
 
 
-def _settled(cycles: LimitCycles, team: Team, states: list[int], free: bool, most: int = MOST_SETTLING) -> Ints | None:
+def _settle(cycles: LimitCycles, team: Team, states: list[int], free: bool, most: int = MOST_SETTLING) -> Ints | None:
     """(steps + 1, m) states until all robots are on cycles without contact; None when they never are."""
     m = len(states)
     log = np.empty((most, m), np.int32)

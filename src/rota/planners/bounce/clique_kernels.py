@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, Longs, compiled, inlined
+from rota.planners.bounce.kernels import Ints, Longs, allocation_free, always_inline
 
 Words = NDArray[np.uint64]
 
@@ -50,7 +50,7 @@ class Room(NamedTuple):
     calls: Longs
 
 
-@inlined
+@always_inline
 def ones(word: np.uint64) -> int:
     """How many bits are set."""
     word = word - ((word >> ONE) & np.uint64(0x5555555555555555))
@@ -59,19 +59,19 @@ def ones(word: np.uint64) -> int:
     return np.int64((word * np.uint64(0x0101010101010101)) >> np.uint64(56))
 
 
-@inlined
+@always_inline
 def lowest(word: np.uint64) -> int:
     """The number of the lowest bit that is set."""
     return ones((word & (~word + ONE)) - ONE)
 
 
-@inlined
-def reduced(value: np.uint64, prime: np.uint64) -> np.uint64:
+@always_inline
+def modulo(value: np.uint64, prime: np.uint64) -> np.uint64:
     """The value modulo the prime."""
     return value % prime if prime != 0 else value
 
 
-@compiled
+@allocation_free
 def times(total: Ints, poly: Words, other: Words, product: Words, prime: np.uint64) -> None:
     """poly *= other. product: scratch."""
     d = len(poly)
@@ -82,21 +82,21 @@ def times(total: Ints, poly: Words, other: Words, product: Words, prime: np.uint
             for b in range(d):
                 c = total[a, b]
                 if c >= 0 and other[b] != 0:
-                    product[c] = reduced(product[c] + reduced(poly[a] * other[b], prime), prime)
+                    product[c] = modulo(product[c] + modulo(poly[a] * other[b], prime), prime)
     for a in range(d):
         poly[a] = product[a]
 
 
-@compiled
+@allocation_free
 def add_node(total: Ints, poly: Words, weight: np.uint64, stride: int, prime: np.uint64) -> None:
     """poly *= 1 + weight * variable."""
     for a in range(len(poly) - 1, -1, -1):
         c = total[a, stride]
         if c >= 0:
-            poly[c] = reduced(poly[c] + reduced(weight * poly[a], prime), prime)
+            poly[c] = modulo(poly[c] + modulo(weight * poly[a], prime), prime)
 
 
-@compiled
+@allocation_free
 def add_pairs(graph: Graph, members: Words, poly: Words, prime: np.uint64) -> None:
     """poly = 1 + all single members + all pairs of them without conflict."""
     words = len(members)
@@ -109,7 +109,7 @@ def add_pairs(graph: Graph, members: Words, poly: Words, prime: np.uint64) -> No
             v = 64 * k + lowest(rest)
             rest &= rest - ONE
             stride = graph.stride[graph.kind[v]]
-            poly[stride] = reduced(poly[stride] + graph.weight[v], prime)
+            poly[stride] = modulo(poly[stride] + graph.weight[v], prime)
             for j in range(k, words):
                 beside = members[j] & ~graph.conflict[v, j]
                 if j == k:
@@ -119,10 +119,10 @@ def add_pairs(graph: Graph, members: Words, poly: Words, prime: np.uint64) -> No
                     beside &= beside - ONE
                     c = graph.total[stride, graph.stride[graph.kind[u]]]
                     if c >= 0:
-                        poly[c] = reduced(poly[c] + reduced(graph.weight[v] * graph.weight[u], prime), prime)
+                        poly[c] = modulo(poly[c] + modulo(graph.weight[v] * graph.weight[u], prime), prime)
 
 
-@compiled
+@allocation_free
 def hash_of(members: Words, size: int) -> int:
     """A place in the table of sets."""
     value = np.uint64(0x9E3779B97F4A7C15)
@@ -132,7 +132,7 @@ def hash_of(members: Words, size: int) -> int:
     return np.int64(value & np.uint64(size - 1))
 
 
-@compiled
+@allocation_free
 def strip_isolated(graph: Graph, members: Words, poly: Words, prime: np.uint64) -> int:
     """Move members without conflicts into the polynomial; returns the member with most conflicts, -1: none is left."""
     best, most = -1, 0
@@ -152,8 +152,8 @@ def strip_isolated(graph: Graph, members: Words, poly: Words, prime: np.uint64) 
     return best
 
 
-@compiled
-def connected(graph: Graph, members: Words, v: int, part: Words, fresh: Words) -> bool:
+@allocation_free
+def is_connected(graph: Graph, members: Words, v: int, part: Words, fresh: Words) -> bool:
     """Fill ``part`` with the members joined with v by conflicts; returns whether these are all members."""
     words = len(members)
     for k in range(words):
@@ -178,7 +178,7 @@ def connected(graph: Graph, members: Words, v: int, part: Words, fresh: Words) -
     return same
 
 
-@compiled
+@allocation_free
 def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64) -> None:
     """Count the sets of at most ``most`` nodes without conflict in room.sets[depth], into room.polynomials[0, depth].
 
@@ -201,7 +201,7 @@ def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64
         if v < 0:
             return
         below, product = room.sets[depth + 1], room.scratch[depth]
-        if not connected(graph, members, v, below, room.sets[depth + 2]):
+        if not is_connected(graph, members, v, below, room.sets[depth + 2]):
             for k in range(words):
                 members[k] &= ~below[k]
             count_sets(graph, room, depth + 1, most, prime)
@@ -225,8 +225,8 @@ def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64
         for a in range(d):
             c = graph.total[a, stride]
             if c >= 0:
-                gain = reduced(graph.weight[v] * room.polynomials[0, depth + 1, a], prime)
-                other[c] = reduced(other[c] + gain, prime)
+                gain = modulo(graph.weight[v] * room.polynomials[0, depth + 1, a], prime)
+                other[c] = modulo(other[c] + gain, prime)
         place = hash_of(members, len(room.known_for))
         room.known_for[place] = most
         for k in range(words):

@@ -11,14 +11,14 @@ from __future__ import annotations
 from math import ceil, floor, hypot, inf, sqrt
 
 from rota.planners.bounce.cycle_kernels import Flags
-from rota.planners.bounce.kernels import Floats, Longs, compiled
+from rota.planners.bounce.kernels import Floats, Longs, allocation_free
 
 TOUCH_M = 1e-6  # bodies overlap by less than this where they touch
 SAME = 1e-9  # of a step: differences of clocks this near are one
 Pair = tuple[float, float]
 
 
-@compiled
+@allocation_free
 def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: float) -> tuple[float, float]:
     """First and last time in 0..until at which ``g + v * time`` is shorter than apart; first > last: never."""
     a, b, c = vx * vx + vy * vy, gx * vx + gy * vy, gx * gx + gy * gy - apart * apart
@@ -31,7 +31,7 @@ def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: flo
     return max((-b - root) / a, 0.0), min((-b + root) / a, until)
 
 
-@compiled
+@allocation_free
 def touching_differences(gap: Pair, v: Pair, w: Pair, apart: float, most_s: float, most_t: float) -> Pair:
     """The least and the largest s - t over s in 0..most_s, t in 0..most_t with ``gap + v s - w t`` shorter than apart.
 
@@ -62,7 +62,7 @@ def touching_differences(gap: Pair, v: Pair, w: Pair, apart: float, most_s: floa
     return low, high
 
 
-@compiled
+@allocation_free
 def forbid_near_phases(
     places: Floats, apart: Floats, start: Longs, length: Longs, margin: float, bad: Flags, compatible: Flags
 ) -> None:
@@ -106,7 +106,7 @@ def forbid_near_phases(
                         compatible[j0 + j, i0 + i] = False
 
 
-@compiled
+@allocation_free
 def nearest_touch(times: Floats, places: Floats, apart: float, shifts: Floats) -> float:
     """How far shifts of a closed way against itself are from shifts at which two centres come too near, in seconds.
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, Longs, Team, compiled, inlined, step_team
+from rota.planners.bounce.kernels import Ints, Longs, Team, allocation_free, always_inline, step_team
 
 Bytes = NDArray[np.uint8]
 
@@ -29,7 +29,7 @@ class Log(NamedTuple):
     added: Ints
 
 
-@inlined
+@always_inline
 def place_of(log: Log, states: Ints) -> int:
     """The place of a joint state in the table: the place that holds it, or the empty place where it belongs."""
     value = np.uint64(0x9E3779B97F4A7C15)
@@ -51,7 +51,7 @@ def place_of(log: Log, states: Ints) -> int:
     return place
 
 
-@compiled
+@allocation_free
 def enter_cells(log: Log, states: Ints, headings: int, cells: int) -> int:
     """Cover the robots' cells; ``cells`` were covered before, and the number afterwards is returned."""
     for i in range(len(states)):
@@ -63,7 +63,7 @@ def enter_cells(log: Log, states: Ints, headings: int, cells: int) -> int:
     return cells
 
 
-@compiled
+@allocation_free
 def follow(
     team: Team, log: Log, headings: int, wanted: int, count: int, cells: int, scratch: Ints, stays: NDArray[np.int8]
 ) -> tuple[int, int, int]:
@@ -90,7 +90,7 @@ def follow(
     return count, cells, contacts
 
 
-@compiled
+@allocation_free
 def forget(log: Log, count: int, to_count: int, cells: int, to_cells: int) -> None:
     """Undo what ``follow`` wrote since there were to_count states and to_cells cells."""
     for k in range(count - 1, to_count - 2, -1):
@@ -102,7 +102,7 @@ def forget(log: Log, count: int, to_count: int, cells: int, to_cells: int) -> No
         log.covered[log.added[k]] = 0
 
 
-@compiled
+@allocation_free
 def cover_as_printed(
     team: Team, log: Log, headings: int, wanted: int, scratch: Ints, stays: NDArray[np.int8]
 ) -> tuple[int, int]:
@@ -135,7 +135,7 @@ def cover_as_printed(
     return count, cells
 
 
-@compiled
+@allocation_free
 def turn_robot(log: Log, headings: int, count: int, neighbour: int) -> None:
     """Write the joint state after path[count - 1] in which robot neighbour // 2 has turned by a heading step."""
     for i in range(log.path.shape[1]):
@@ -167,7 +167,7 @@ class Search(NamedTuple):
 STEP, LEFT, RIGHT = 0, 1, 2
 
 
-@compiled
+@allocation_free
 def gain_of(
     team: Team, log: Log, headings: int, horizon: int, turns: int, stamp: int, search: Search
 ) -> tuple[int, int]:
@@ -195,7 +195,7 @@ def gain_of(
     return best_new, best_steps
 
 
-@compiled
+@allocation_free
 def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, stamp: int, search: Search) -> int:
     """The fewest steps and turns after which a robot that meets nobody enters a new cell; -1: it cannot.
 
@@ -229,7 +229,7 @@ def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, stamp: int,
     return -1
 
 
-@compiled
+@allocation_free
 def go_to_new_cell(
     team: Team, log: Log, headings: int, robot: int, steps: int, count: int, cells: int, search: Search
 ) -> tuple[int, int]:
@@ -253,7 +253,7 @@ def go_to_new_cell(
     return count, cells
 
 
-@compiled
+@allocation_free
 def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int, search: Search) -> tuple[int, int]:
     """Cover from path[0] on, by turns whenever they pay; returns how many states and covered cells there are.
 

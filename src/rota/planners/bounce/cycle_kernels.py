@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, compiled, pair_touches, step_team
+from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, allocation_free, pair_touches, step_team
 
 Flags = NDArray[np.bool_]
 
@@ -25,7 +25,7 @@ class SettlingRoom(NamedTuple):
     log: Ints
 
 
-@compiled
+@allocation_free
 def compare_cycles(
     team: Team, apart2: Floats, kind: Ints, state: Ints, start: Longs, length: Longs, bad: Flags, compatible: Flags
 ) -> None:
@@ -54,7 +54,7 @@ def compare_cycles(
                     compatible[j0 + j, i0 + i] = good
 
 
-@compiled
+@allocation_free
 def steps_to_cycles(
     team: Team, kinds: Ints, node_of: Ints, compatible: Flags, states: Ints, room: SettlingRoom, free: bool
 ) -> int:

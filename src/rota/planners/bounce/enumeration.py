@@ -44,12 +44,12 @@ def enumerate_groups(team: Team, inside: Flags, headings: int, *, contact_free: 
     if contact_free == "cycle":
         whole_map = cycles_and_basins(joint_map(team))
         basin = whole_map.basin[whole_map.cycle[free.first]]
-    states = unpacked(free.first, s, m)
+    states = unpack(free.first, s, m)
     kept = [k for k in range(len(states)) if _watches(team, inside, headings, states[k], int(free.length[k]))]
     return JointGroups(states=states[kept], length=free.length[kept], basin=basin[kept])
 
 
-def printed(
+def groups_as_printed(
     team: Team, inside: Flags, headings: int, should_stop: Callable[[], bool] = lambda: False
 ) -> tuple[int, JointGroups]:
     """How many groups Algorithm 2 keeps as it is printed, and the first MOST_PRINTED of them.
@@ -82,10 +82,10 @@ def printed(
         printed_groups(successor, touch, zones, all_zones, group, path, groups, progress)
     kept = int(progress[2])
     first, length, basin = groups[: min(kept, MOST_PRINTED)].T.copy()
-    return kept, JointGroups(states=unpacked(first, s, m), length=length, basin=basin)
+    return kept, JointGroups(states=unpack(first, s, m), length=length, basin=basin)
 
 
-def unpacked(packed: Longs, states: int, robots: int) -> Ints:
+def unpack(packed: Longs, states: int, robots: int) -> Ints:
     """(g, m) states of the robots of packed joint states (g,)."""
     return np.stack([packed // states**i % states for i in range(robots)], axis=1).astype(np.int32)
 

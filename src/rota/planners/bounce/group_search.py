@@ -43,7 +43,7 @@ class _Gaps:
     counts: Longs
     period: int
 
-    def covered(self, limit: int) -> float:
+    def covered_share(self, limit: int) -> float:
         """The share of the time at which the last visit is no more than ``limit`` steps ago, less the visit's own."""
         return float((np.minimum(self.steps, limit) * self.counts).sum() / self.period)
 
@@ -68,11 +68,11 @@ def best_group(
     """
     search = _Search(watch, enough, most_nodes, should_stop, allowed, last)
     search.by_single_robots()
-    if search.best is None and allowed is None and not search.stopped() and _there_is_none(watch):
+    if search.best is None and allowed is None and not search.is_to_end() and _there_is_none(watch):
         return Searched(group=None, proved=True)
-    if not search.done():
+    if not search.is_good_enough():
         search.extend({}, search.allowed, 1)
-    unproved = search.unproved()
+    unproved = search.reason_of_no_proof()
     if search.best is None:
         return Searched(group=None, proved=unproved is None, unproved=unproved)
     ratio, nodes = search.best
@@ -178,7 +178,7 @@ class _Search:
         else:
             order = self._roomiest(candidates, room)
         for node in candidates[order]:
-            if budget[0] <= 0 or (self.best is not None and self.stopped()):  # a first team is soon found or given up
+            if budget[0] <= 0 or (self.best is not None and self.is_to_end()):  # a first team is soon found or given up
                 return False
             robot = self._robot_for(node, chosen)
             left = [z for z in zones if self.alone[cycles.cycle[node], z] > limit]
@@ -214,7 +214,7 @@ class _Search:
         gaps = [self._gaps(nodes, z) for z in range(self.zones)]
         order: Longs | None = None
         while True:
-            if self.left <= 0 or self.stopped():
+            if self.left <= 0 or self.is_to_end():
                 self.cut_short = True
                 return
             candidates = self._distinct(np.flatnonzero(free), period)
@@ -231,7 +231,7 @@ class _Search:
             robot = self._robot_for(node, chosen)
             length = int(cycles.length[cycles.cycle[node]])
             self.extend({**chosen, robot: node}, free & cycles.compatible[node], math.lcm(period, length))
-            if self.done():
+            if self.is_good_enough():
                 return
             # all teams with it were looked at, and so with what is the same at another time
             free[self._same(node, period)] = False
@@ -246,8 +246,8 @@ class _Search:
         late = [z for z in range(self.zones) if gaps[z] is None or gaps[z].steps[-1] > limits[z]]  # type: ignore[union-attr]
         if not late:
             return candidates, False
-        covers = self._covered(limits)[self.watch.cycles.cycle[candidates]][:, late]
-        missing = np.array([1.0 if (g := gaps[z]) is None else 1 - g.covered(int(limits[z])) for z in late])
+        covers = self._covered_shares(limits)[self.watch.cycles.cycle[candidates]][:, late]
+        missing = np.array([1.0 if (g := gaps[z]) is None else 1 - g.covered_share(int(limits[z])) for z in late])
         helps = np.minimum(covers, missing)
         if robots * helps.sum(axis=1).max() < missing.sum() - 1e-9:
             return candidates[:0], True
@@ -265,12 +265,12 @@ class _Search:
             return np.full(self.zones, NO_GAP)
         return np.ceil(self.best[0] * self.watch.period_steps - 1e-9).astype(np.int64) - 1
 
-    def _covered(self, limits: Longs) -> Floats:
+    def _covered_shares(self, limits: Longs) -> Floats:
         """(c, z) shares of a zone's time that a robot covers on each cycle."""
         ratio = math.inf if self.best is None else self.best[0]
         if self._covers[0] != ratio:
             shares = [
-                [0.0 if gaps is None else gaps.covered(int(limits[z])) for z, gaps in enumerate(row)]
+                [0.0 if gaps is None else gaps.covered_share(int(limits[z])) for z, gaps in enumerate(row)]
                 for row in self._single
             ]
             self._covers = (ratio, np.array(shares, np.float64).reshape(len(self._single), self.zones))
@@ -325,20 +325,20 @@ class _Search:
         if math.isfinite(worst) and (self.best is None or worst < self.best[0]):
             self.best = (worst, nodes)
 
-    def stopped(self) -> bool:
+    def is_to_end(self) -> bool:
         """Whether the search is to end, whatever it has come to."""
         return self._should_stop is not None and self._should_stop()
 
-    def unproved(self) -> str | None:
+    def reason_of_no_proof(self) -> str | None:
         """Why something better may have been left out; None when it was not."""
         if not self.cut_short and not self.rough:
             return None
-        if self.stopped():
+        if self.is_to_end():
             return "the search was stopped"
         if self.cut_short:
             return f"the search ended after {self.most_nodes:,} partial team" + "s" * (self.most_nodes != 1)
         return "the robots' common period is too long to know all gaps"
 
-    def done(self) -> bool:
+    def is_good_enough(self) -> bool:
         """Whether what was found is good enough."""
         return self.best is not None and self.best[0] <= self.enough

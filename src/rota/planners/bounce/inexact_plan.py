@@ -76,15 +76,15 @@ def with_errors(plan: Plan, *, most_runs: int = RUNS, exact: bool = True) -> Ine
     least, work = (LEAST_RUNS, MOST_WORK) if asked else (LEAST_UNASKED, MOST_UNASKED)
     runs = _runs_within(crew, float(lasting_s), most_runs, least, work)
 
-    def simulated(error: TurningError, runs: int) -> InexactRuns:
+    def simulate(error: TurningError, runs: int) -> InexactRuns:
         cells = make_cells(mission) if covers else None
         return run_crew(
             crew, error, _starts(plan, runs), duration_s=float(lasting_s), seed=plan.seed, cells=cells,
             zones=() if covers else zones,
         )  # fmt: skip
 
-    inexact = simulated(error, runs)
-    without = simulated(TurningError(), 1) if exact else inexact
+    inexact = simulate(error, runs)
+    without = simulate(TurningError(), 1) if exact else inexact
     if covers:
         kept: tuple[Kept, ...] = (
             Kept(name=None, exact=without.mean_seen(lasting_s), inexact=inexact.mean_seen(lasting_s)),

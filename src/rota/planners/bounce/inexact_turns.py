@@ -83,7 +83,7 @@ class InexactRuns:
     watched: Floats
     met_s: Floats
 
-    def seen(self, after_s: float) -> Floats:
+    def entered_shares(self, after_s: float) -> Floats:
         """(n,) share of the runs in which each cell had been entered by then."""
         return np.asarray((self.entered_s <= after_s).mean(axis=0))
 
@@ -93,7 +93,7 @@ class InexactRuns:
 
     def least_seen(self, after_s: float) -> Estimate:
         """The chance of the cell least often entered by then."""
-        seen = self.seen(after_s)
+        seen = self.entered_shares(after_s)
         worst = (self.entered_s[:, int(seen.argmin())] <= after_s).astype(np.float64)
         return estimate(worst)
 

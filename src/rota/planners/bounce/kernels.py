@@ -23,12 +23,12 @@ Words = NDArray[np.uint32]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def allocation_free(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array."""
     return kernel(**OPTIONS)(function)
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def always_inline(function: Callable[..., Any]) -> Any:
     """A compiled function that becomes part of its callers."""
     return kernel(**OPTIONS, inline="always")(function)
 
@@ -50,14 +50,14 @@ class Team(NamedTuple):
     apart2: Floats
 
 
-@inlined
+@always_inline
 def too_near(ax: int, ay: int, bx: int, by: int, apart2: float) -> bool:
     """Whether two robots cannot stand in these cells at once."""
     dx, dy = bx - ax, by - ay
     return (dx == 0 and dy == 0) or dx * dx + dy * dy < apart2 - 1e-9
 
 
-@inlined
+@always_inline
 def touching(a: tuple[int, int, int, int], b: tuple[int, int, int, int], apart2: float) -> bool:
     """Whether two robots come in contact that move in one step as a and b say: from column, row to column, row.
 
@@ -86,7 +86,7 @@ def touching(a: tuple[int, int, int, int], b: tuple[int, int, int, int], apart2:
     return nearest < apart2 - 1e-9
 
 
-@compiled
+@allocation_free
 def step_team(team: Team, states: Ints, stays: NDArray[np.int8], after: Ints) -> int:
     """One step of m robots; returns how many pairs come in contact.
 
@@ -126,7 +126,7 @@ def step_team(team: Team, states: Ints, stays: NDArray[np.int8], after: Ints) ->
     return contacts
 
 
-@inlined
+@always_inline
 def pair_touches(team: Team, a: int, b: int, apart2: float) -> bool:
     """Whether robots in two states come in contact in the next step, with nothing but walls to stop them."""
     move = (team.x[a], team.y[a], team.to_x[a], team.to_y[a])

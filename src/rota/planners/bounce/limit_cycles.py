@@ -150,7 +150,7 @@ def zone_cells(cells: Cells, zones: Sequence[Zone]) -> Flags:
     return inside
 
 
-def seen_by_cycles(cycles: LimitCycles, inside: Flags, headings: int) -> Flags:
+def cycles_see(cycles: LimitCycles, inside: Flags, headings: int) -> Flags:
     """(p, z) whether a robot in each periodic state is in each zone, given (z, n) cells of zones."""
     return np.ascontiguousarray(inside[:, cycles.state // headings].T)
 
@@ -158,7 +158,7 @@ def seen_by_cycles(cycles: LimitCycles, inside: Flags, headings: int) -> Flags:
 def require_watchable(sees: Flags, names: Sequence[str], cells: Cells, inside: Flags) -> None:
     """Raise MissionError for zones that no robot's limit cycle ever enters; it names the bouncing angles that would do.
 
-    sees: (p, z) as ``seen_by_cycles``. inside: (z, n) cells of zones.
+    sees: (p, z) as ``cycles_see``. inside: (z, n) cells of zones.
     """
     unwatched = [name for k, name in enumerate(names) if not sees[:, k].any()]
     if not unwatched:

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, Longs, Team, compiled, inlined, step_team, too_near, touching
+from rota.planners.bounce.kernels import (
+    Ints,
+    Longs,
+    Team,
+    allocation_free,
+    always_inline,
+    step_team,
+    too_near,
+    touching,
+)
 
 Words = NDArray[np.uint32]
 Stays = NDArray[np.int8]
@@ -19,7 +28,7 @@ NOWHERE = np.uint32(0xFFFFFFFF)  # two robots in one place: no state at all
 MOST_STATES = 0x7FFFFFFE
 
 
-@inlined
+@always_inline
 def any_too_near(team: Team, states: Ints) -> bool:
     """Whether two of the robots cannot be in these states at once."""
     overlap = False
@@ -31,7 +40,7 @@ def any_too_near(team: Team, states: Ints) -> bool:
     return overlap
 
 
-@compiled
+@allocation_free
 def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words, free: bool) -> None:
     """Fill ``successor``, (n,) uint32, with the successors of n packed states of m robots, from ``states`` (m,) on.
 
@@ -55,7 +64,7 @@ def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: W
             states[i] = 0
 
 
-@compiled
+@allocation_free
 def pair_successors(team: Team, successor: Words, free: bool) -> None:
     """The same for two robots."""
     s, apart2 = len(team.x), team.apart2[0, 1]
@@ -73,7 +82,7 @@ def pair_successors(team: Team, successor: Words, free: bool) -> None:
                 successor[b * s + a] = alone * s + (team.moved[a] if team.moved[a] >= 0 else team.bumped[0, a])
 
 
-@inlined
+@always_inline
 def rank_of(states: Ints, choose: Longs) -> int:
     """The rank of a set of states, which are sorted in place. choose: (s + 1, m + 1) binomial coefficients."""
     for i in range(1, len(states)):
@@ -88,7 +97,7 @@ def rank_of(states: Ints, choose: Longs) -> int:
     return rank
 
 
-@compiled
+@allocation_free
 def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: Stays, successor: Words) -> None:
     """The successor of every set of states of m equal robots, by rank: (choose(s, m),) uint32."""
     m = len(states)
@@ -108,7 +117,7 @@ def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: 
         states[i] += 1
 
 
-@compiled
+@allocation_free
 def decompose(successor: Words, path: Words, progress: Longs, cycles: Longs) -> int:
     """Replace successors by LABEL + the number of the cycle that each state comes to; NOWHERE stays.
 
@@ -159,7 +168,7 @@ def decompose(successor: Words, path: Words, progress: Longs, cycles: Longs) -> 
     return 0
 
 
-@compiled
+@allocation_free
 def printed_groups(
     successor: Words,
     touch: NDArray[np.uint8],
@@ -204,7 +213,7 @@ def printed_groups(
     progress[0], progress[2] = progress[1], kept
 
 
-@compiled
+@allocation_free
 def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: NDArray[np.uint8]) -> None:
     """Fill ``touch``, (n,): whether steps of packed states have a contact; the others as for ``successors``."""
     m, s = len(states), len(team.x)
@@ -217,7 +226,7 @@ def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: 
             states[i] = 0
 
 
-@compiled
+@allocation_free
 def rounds_to_order(
     team: Team, choose: Longs, cycles: Longs, states: Ints, after: Ints, stays: Stays, begin: Ints, rounds: Longs
 ) -> None:
@@ -255,7 +264,7 @@ def rounds_to_order(
         rounds[c] = turns
 
 
-@compiled
+@allocation_free
 def strip_labels(labels: Any) -> None:
     """Turn LABEL + number into the number; NOWHERE becomes -1 when read as int32."""
     for k in range(len(labels)):

@@ -93,7 +93,7 @@ def groups(watch: Watch, *, unordered: bool = False) -> Iterator[tuple[int, ...]
     given.
     """
     robots = len(watch.cycles.kind_of_robot)
-    for nodes in _extended(watch, (), np.ones(len(watch.cycles.state), np.bool_), 1, robots):
+    for nodes in _extend(watch, (), np.ones(len(watch.cycles.state), np.bool_), 1, robots):
         if watch.sees.shape[1] and not _covers(watch, nodes):
             continue
         if unordered and nodes != _first_of_sets(watch.cycles, nodes):
@@ -111,7 +111,7 @@ def _covers(watch: Watch, nodes: Sequence[int]) -> bool:
     return bool(seen.all())
 
 
-def _extended(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, robots: int) -> Iterator[tuple[int, ...]]:
+def _extend(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, robots: int) -> Iterator[tuple[int, ...]]:
     """All teams that begin with ``nodes`` and whose robots never meet; free: (p,) nodes that meet none of these."""
     if len(nodes) == robots:
         yield nodes
@@ -121,7 +121,7 @@ def _extended(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, ro
     for node in np.flatnonzero(free & (cycles.kind == kind)):
         length = int(cycles.length[cycles.cycle[node]])
         if cycles.phase[node] < math.gcd(period, length):
-            yield from _extended(
+            yield from _extend(
                 watch, (*nodes, int(node)), free & cycles.compatible[node], math.lcm(period, length), robots
             )
 

@@ -17,7 +17,7 @@ from rota.planners.bounce.chosen_group import Choice, Chosen, choose_group, out_
 from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.kernels import Team
-from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles, zone_cells
+from rota.planners.bounce.limit_cycles import cycles_see, limit_cycles, require_watchable, zone_cells
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.physics_sentences import cycles_sentence
 from rota.planners.bounce.plane_monitoring import plan_in_plane
@@ -85,7 +85,7 @@ def plan_bounce(
 def plan_coverage(mission: Mission, *, seed: int) -> Answer:
     """A plan by which the robots cover the area once and then stay; NoPlanFound with that plan when it misses cells."""
     bouncing = bouncing_robots(mission, make_cells(mission))
-    coverage = covered_by(bouncing, seed=seed)
+    coverage = coverage_by(bouncing, seed=seed)
     plan = coverage_plan(bouncing, coverage, seed)
     headings = bouncing.cells.headings
     times_s = bouncing.pace.times_s(coverage.states, headings)
@@ -110,7 +110,7 @@ def coverage_plan(bouncing: Bouncing, coverage: Coverage, seed: int) -> Plan:
     return Plan(mission=bouncing.mission, trajectories=tuple(trajectories), seed=seed)
 
 
-def covered_by(bouncing: Bouncing, *, seed: int) -> Coverage:
+def coverage_by(bouncing: Bouncing, *, seed: int) -> Coverage:
     """The joint trajectory that covers, from the mission's starts or from random ones."""
     settings = BounceSettings.of(bouncing.mission)
     starts = random_starts(bouncing.mission, bouncing.cells, bouncing.robots, bouncing.apart_m, seed)
@@ -228,7 +228,7 @@ def watch_of(bouncing: Bouncing) -> Watch:
     margin_steps = BounceSettings.of(bouncing.mission).clock_margin_s / bouncing.step_s
     radii = np.array([robot.body_radius_m for robot in bouncing.robots])
     cycles = apart_in_time(limit_cycles(bouncing.team), bouncing.cells, radii[:, None] + radii, margin_steps)
-    sees = seen_by_cycles(cycles, inside, bouncing.cells.headings)
+    sees = cycles_see(cycles, inside, bouncing.cells.headings)
     require_watchable(sees, [zone.name for zone in zones], bouncing.cells, inside)
     periods_s = np.array([zone.period_s for zone in zones], np.float64)
     return Watch(cycles=cycles, sees=sees, period_steps=periods_s / bouncing.step_s)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Self
 from rota.errors import MissionError
 from rota.model.limits import LARGEST_M
 from rota.model.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
-from rota.model.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, shown
+from rota.model.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, show_value
 
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]
@@ -129,7 +129,7 @@ class BounceSettings(PlannerSettings):
         )
 
     @classmethod
-    def written(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
+    def from_file(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
         """The settings that a mission file gives; without a side of a cell, that of the area's text map."""
         cell_m = values.get("cell_m") or (typed_cell_m if values.get("cells") != "none" else None) or 0.0
         return cls(**{**values, "cell_m": cell_m})
@@ -140,7 +140,7 @@ class BounceSettings(PlannerSettings):
         signal_s = values.get("clock_signal_s")
         if signal_s is not None and values.get("task", "monitor") == "cover":
             allowed = "robots that cover turn at each other by plan, which no margin can keep apart"
-            yield ("clock_signal_s",), f"{shown(signal_s)} is not allowed; {allowed}"
+            yield ("clock_signal_s",), f"{show_value(signal_s)} is not allowed; {allowed}"
         if values.get("cells", "grid") == "none":
             yield from _of_a_grid_only(values)
         elif values.get("purpose") == "robust" and values.get("method", "improved") == "as_printed":
@@ -156,14 +156,14 @@ class BounceSettings(PlannerSettings):
             yield from _angle_faults(headings, values)
 
     @classmethod
-    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings of the other task."""
         for name, only in OF_TASK.items():
             if values.get(name) is not None and values.get("task", "monitor") != only:
                 yield (name,), f"is for task: {only} only: remove it"
 
     @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Starts in a box, angles for other robots, and demands that the robots' task does not know."""
         if inner(data, "fleet", "start", "box") is not None:
             yield ("fleet", "start", "box"), "bouncing robots start at points: give points, or remove it"
@@ -186,7 +186,7 @@ class BounceSettings(PlannerSettings):
                 each = f" or one for each of {count}" if count is not None else ""
                 yield ("bounce", name), f"{len(angles)} angles are not allowed; one for all robots{each} is needed"
         if task == "monitor":
-            yield from _unwatched(data)
+            yield from _demands_that_nobody_meets(data)
         elif task == "cover":
             message = "covering happens once: remove the period, or write bounce.task: monitor"
             yield from every_period(data, message)
@@ -198,7 +198,7 @@ CELL_MISSING = "is missing; give the side of a cell in metres"
 def _of_a_grid_only(values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """Settings of cells where there are none."""
     if values.get("cell_m"):
-        message = f"{shown(values['cell_m'])} is not allowed; with cells: none there are no cells; leave it out"
+        message = f"{show_value(values['cell_m'])} is not allowed; with cells: none there are no cells; leave it out"
         yield ("cell_m",), message
     for name, only in GRID_ONLY.items():
         if values.get(name, only) != only:
@@ -245,7 +245,7 @@ def _starts_without_cells(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]
             yield ("fleet", "robots", k, "start"), message
 
 
-def _unwatched(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+def _demands_that_nobody_meets(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """Demands that robots which monitor cannot meet."""
     if data.get("period_s") is not None:
         yield ("period_s",), "bouncing robots monitor zones, not the area: remove it"

@@ -181,7 +181,7 @@ def _cycle(
     follow(rim.compiled, rule.compiled, first_heading, int(ints[1]), float(floats[0]), int(ints[2]), out)
     element, s_m = out[:, 0].astype(np.int64), out[:, 1]
     places_m, headings = rim.places_m(element, s_m), out[:, 3] % (2 * math.pi)
-    in_corner = _touched(rim, places_m) > 1
+    in_corner = _touches(rim, places_m) > 1
     multiplier = float(floats[2])
     stability = _of_slope(multiplier)
     if in_corner.any():
@@ -208,7 +208,7 @@ def _grazes(rim: Rim, places_m: Floats, headings: Floats) -> bool:
     )
 
 
-def _touched(rim: Rim, places_m: Floats) -> Ints:
+def _touches(rim: Rim, places_m: Floats) -> Ints:
     """(p,) how many walls and corners a disc at places (p, 2) touches."""
     rows, beside = rim.elements, places_m[:, None] - rim.elements[:, :2]
     along = (beside * rows[:, 2:4]).sum(axis=2)

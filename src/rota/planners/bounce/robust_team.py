@@ -39,11 +39,11 @@ def most_robust(plans: Sequence[Plan], progress: Callable[[float, str], None], s
                 break
             progress(k / len(places), f"inexact turns, {runs} runs of team {k + 1} of {len(places)}")
             found[place] = with_errors(plans[place], most_runs=runs, exact=False)
-        places = ranked(found)[:left]
+        places = rank(found)[:left]
     return places[0]
 
 
-def ranked(found: dict[int, Inexact]) -> list[int]:
+def rank(found: dict[int, Inexact]) -> list[int]:
     """Plans by number, the most robust first."""
     left, order = dict(found), []
     while left:
@@ -96,12 +96,12 @@ def _groups(watch: Watch, team: Team, settings: BounceSettings, seed: int) -> It
             yield begin_there(watch, group, ratio)
     rng = np.random.default_rng(seed)
     for _ in range(TRIES):
-        drawn = _drawn(watch, rng)
+        drawn = _draw_team(watch, rng)
         if drawn is not None:
             yield begin_there(watch, drawn, watch.ratio(drawn))
 
 
-def _drawn(watch: Watch, rng: np.random.Generator) -> tuple[int, ...] | None:
+def _draw_team(watch: Watch, rng: np.random.Generator) -> tuple[int, ...] | None:
     """Random periodic states that go together, each in a zone that nobody enters so far; None: it ends in none."""
     cycles = watch.cycles
     free, nodes = np.ones(len(cycles.state), np.bool_), []

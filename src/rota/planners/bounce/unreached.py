@@ -99,12 +99,12 @@ def joined_grid(mission: Mission, cells: Cells, room: MultiPolygon) -> tuple[flo
             other = make_cells(replace(mission, planning=planning))
         except MissionError:  # no room at any centre
             continue
-        if _joined(other, room):
+        if _joins_all(other, room):
             return cell_m, corner
     return None
 
 
-def _joined(cells: Cells, room: MultiPolygon) -> bool:
+def _joins_all(cells: Cells, room: MultiPolygon) -> bool:
     """Whether moves join all cells that lie in one piece of the room, and each piece has some."""
     points = shapely.points(cells.centres_m)
     for part in room.geoms:

@@ -8,7 +8,7 @@ from concurrent.futures import Executor, Future, wait
 from dataclasses import dataclass, replace
 from typing import Concatenate, ParamSpec, TypeVar
 
-from rota.engines.placing import answer_of, submitted_with
+from rota.engines.placing import answer_of, submit_with
 from rota.model.mission import Mission
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
@@ -80,7 +80,7 @@ class Context:
         there = replace(
             self, problem=None, progress=silent, should_stop=_never, watch=None, executor=None,  # type: ignore[arg-type]
         )  # fmt: skip
-        future: Future[Result] = submitted_with(self.executor, self.problem, _run_there, there, function, args, kwargs)
+        future: Future[Result] = submit_with(self.executor, self.problem, _run_there, there, function, args, kwargs)
         while not wait([future], timeout=POLL_S).done:
             if self.should_stop():
                 future.cancel()

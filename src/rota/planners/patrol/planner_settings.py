@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from rota.errors import MissionError
 from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
-from rota.model.refusals import Where, fleet_blocks, inner, robot_count, shown
+from rota.model.refusals import Where, fleet_blocks, inner, robot_count, show_value
 from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
 from rota.vehicles.presets import VEHICLES
 
@@ -69,7 +69,7 @@ class PatrolSettings(PlannerSettings):
         return {method: getattr(import_module(module), block) for method, (module, block) in places.items()}
 
     @classmethod
-    def written(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
+    def from_file(cls, values: Mapping[str, Any], typed_cell_m: float | None) -> Self:
         """The settings that a file gives, without blocks of other methods, which plan files have."""
         blocks, method = cls.method_blocks(), values.get("method", cls.method)
         own = {name: value for name, value in values.items() if name not in blocks}
@@ -87,7 +87,7 @@ class PatrolSettings(PlannerSettings):
         return self if method == self.method else replace(self, method=method, method_settings=None)
 
     @classmethod
-    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings of another method."""
         method = values.get("method", "tours")
         for other in METHOD_SETTINGS:
@@ -95,7 +95,7 @@ class PatrolSettings(PlannerSettings):
                 yield (other,), f"settings of another method; method is {method}: remove this block"
 
     @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Too many robots, and what sensors must have."""
         count = robot_count(data)
         if count is not None and count > MOST_PATROLLING:
@@ -103,7 +103,7 @@ class PatrolSettings(PlannerSettings):
             yield ("fleet", "robots"), message
         for method, block in cls.method_blocks().items():
             if inner(data, "patrol", "method") == method:
-                yield from block.refused(data)
+                yield from block.refusals(data)
         yield from _ways_to_turn(data)
         yield from _starts_of_autopilots(data)
         yield from _too_much_reserve(data)
@@ -138,7 +138,9 @@ def _too_much_reserve(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     if not isinstance(margin_m, int | float) or not margin_m > 0 or not reaches_m:
         return
     if margin_m > min(reaches_m) - LEAST_REACH_M:
-        message = f"{shown(margin_m)} is not allowed; it must be less than the sensor's reach, {min(reaches_m):.6g} m"
+        message = (
+            f"{show_value(margin_m)} is not allowed; it must be less than the sensor's reach, {min(reaches_m):.6g} m"
+        )
         yield ("patrol", "range_margin_m"), message
 
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import cell_of, compiled
+from rota.planners.swarm.kernels import allocation_free, cell_of
 
 SAME_PLACE_M = 1e-9
 
 
-@compiled
+@allocation_free
 def toggle(angle: float, count: int, ends: Any) -> int:
     """Add an angle in radians to ascending ones, ends (m,), or take it out where it is among them.
 
@@ -37,7 +37,7 @@ def toggle(angle: float, count: int, ends: Any) -> int:
     return count + 1
 
 
-@compiled
+@allocation_free
 def arcs_in_ground(x: float, y: float, sensor: float, grid: Any, arcs: Any) -> int:
     """Fill ``arcs`` with the arcs of the circle round (x, y), a place in the ground, that lie in the ground.
 
@@ -78,7 +78,7 @@ def arcs_in_ground(x: float, y: float, sensor: float, grid: Any, arcs: Any) -> i
     return count // 2
 
 
-@compiled
+@allocation_free
 def cover(begin: float, end: float, count: int, arcs: Any) -> int:
     """Take the angles from begin to end, both within -pi and pi, out of the arcs; returns how many arcs are left."""
     k = 0
@@ -104,7 +104,7 @@ def cover(begin: float, end: float, count: int, arcs: Any) -> int:
     return count
 
 
-@compiled
+@allocation_free
 def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> int:
     """Fill ``arcs`` with the arcs of robot i's circle that lie in the ground and in no neighbour's disc.
 
@@ -142,7 +142,7 @@ def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, ne
     return count
 
 
-@compiled
+@allocation_free
 def area_gradient(sensor: float, count: int, arcs: Any) -> tuple[float, float]:
     """The gradient of the covered area, R integral n da over the circle's arcs: square metres per metre along x, y."""
     gx, gy = 0.0, 0.0

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from rota.planners.swarm.importance_kernels import importance_in_disc, matters
-from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
+from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
 
 SAME_PLACE_M2 = 1e-24
@@ -17,7 +17,7 @@ STIFFNESS = 0.25
 FULL_SHARE_CAUSES = 8.0  # with more overlaps than that the share is less, since it would overshoot
 
 
-@compiled
+@allocation_free
 def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, float]:
     """The velocity (vx, vy) in m/s that leads by (dx, dy) metres in time_s, or as far as the speed allows."""
     length = math.sqrt(dx * dx + dy * dy)
@@ -25,7 +25,7 @@ def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, f
     return dx * scale, dy * scale
 
 
-@compiled
+@allocation_free
 def centroid_of_worth(x: float, y: float, outline: Any, corners: int, sensor: float, grid: Any) -> tuple[float, float]:
     """The centroid of a polygon's part in the disc round (x, y), from there; of its importance where that differs."""
     if not matters(grid):
@@ -35,7 +35,7 @@ def centroid_of_worth(x: float, y: float, outline: Any, corners: int, sensor: fl
     return (mx / whole, my / whole) if whole > 0.0 else (0.0, 0.0)
 
 
-@compiled
+@allocation_free
 def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """Decide by Lloyd's step, over-relaxed: a robot makes for the centroid of its Voronoi cell in its sensor's disc.
 
@@ -78,7 +78,7 @@ def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: An
             decisions.vx[i], decisions.vy[i] = towards(cx, cy, kinds.speed_m_s[kind], rule.time_step_s)
 
 
-@compiled
+@allocation_free
 def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
     """The sum of the overlaps of robot i's sensor with its neighbours' sensors, and how many overlap.
 
@@ -98,7 +98,7 @@ def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near:
     return fx, fy, causes
 
 
-@compiled
+@allocation_free
 def sum_of_overlaps(
     i: int, most: int, robots: Any, kinds: Any, grid: Any, nearest2: Any, near: Any
 ) -> tuple[float, float, float]:
@@ -130,7 +130,7 @@ def virtual_force(stiffness: float) -> Any:
     where very many push.
     """
 
-    @compiled
+    @allocation_free
     def decide_virtual_force(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
         """New velocities of the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread."""
         robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule

@@ -40,13 +40,13 @@ class Chunks:
         trial = self._pool is not None and self._runs % TRY_AGAIN == TRY_AGAIN - 1
         shared = shared != trial
         began_s = time.perf_counter()
-        results = self._shared(job) if shared else [job(*bounds, k) for k, bounds in enumerate(self._bounds)]
+        results = self._share(job) if shared else [job(*bounds, k) for k, bounds in enumerate(self._bounds)]
         took_s, before_s = time.perf_counter() - began_s, self._mean_s[shared]
         self._mean_s[shared] = took_s if before_s == 0 or trial else before_s + NEWEST * (took_s - before_s)
         self._runs += 1
         return results
 
-    def _shared(self, job: Callable[[int, int, int], T]) -> list[T]:
+    def _share(self, job: Callable[[int, int, int], T]) -> list[T]:
         """Likewise, on all threads."""
         assert self._pool is not None
         waiting = iter(enumerate(self._bounds))  # one thread at a time takes from it

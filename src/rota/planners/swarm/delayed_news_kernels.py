@@ -20,7 +20,7 @@ import numpy as np
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.free_ground_kernels import clear_load, load_with_disc
-from rota.planners.swarm.kernels import cell_of, compiled
+from rota.planners.swarm.kernels import allocation_free, cell_of
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal, sample_key
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.state import Decisions, Floats, Grid, Hearing, Robots, Snapshot
@@ -72,14 +72,14 @@ class Filtering(NamedTuple):
     widest_m: float
 
 
-@compiled
+@allocation_free
 def is_lost(seed: int, listener: int, teller: int, step: int, lost: float) -> bool:
     """Whether what one robot told another at a step never arrives."""
     key = sample_key(seed ^ (listener + 1) * 0x5851F42D, teller, step)
     return bool(np.float64(key >> np.uint64(11)) * (1.0 / 9007199254740992.0) < lost)
 
 
-@compiled
+@allocation_free
 def age_of(seed: int, listener: int, teller: int, step: int, hearing: Any) -> int:
     """How many steps ago the news was told that the listener has of the teller at a step."""
     age = hearing.delay_steps
@@ -90,7 +90,7 @@ def age_of(seed: int, listener: int, teller: int, step: int, hearing: Any) -> in
     return age
 
 
-@compiled
+@allocation_free
 def gone_m(age: int, told_m: float, most_m: float) -> float:
     """How far a robot may have gone in ``age`` steps since it told of a step of told_m; no step exceeds most_m."""
     gone = 0.0
@@ -99,14 +99,14 @@ def gone_m(age: int, told_m: float, most_m: float) -> float:
     return gone
 
 
-@compiled
+@allocation_free
 def no_faster(vx: float, vy: float, speed: float) -> tuple[float, float]:
     """The velocity, made as short as the speed where it is longer: the filter allows every share of what it allows."""
     length = math.sqrt(vx * vx + vy * vy)
     return (vx * speed / length, vy * speed / length) if length > speed else (vx, vy)
 
 
-@compiled
+@allocation_free
 def most_round(grid: Any) -> int:
     """The most robots in any cell and those beside it."""
     most, stride = 0, grid.columns + 2
@@ -119,7 +119,7 @@ def most_round(grid: Any) -> int:
     return most
 
 
-@compiled
+@allocation_free
 def look_round(i: int, snapshot: Any, news: Any) -> None:
     """Write robot i and what it has heard of robots near it into its belief, as if all stood in its cell alone."""
     robots, grid, rule, belief = snapshot.robots, snapshot.grid, snapshot.rule, news.belief
@@ -147,7 +147,7 @@ def look_round(i: int, snapshot: Any, news: Any) -> None:
     start[c + stride - 1], start[c + stride + 2] = count, count
 
 
-@compiled
+@allocation_free
 def load_with_told(snapshot: Any, hearing: Any, past: Any) -> None:
     """Load the places with robots' discs as messages tell of them; the keepers of the places listen as a single robot.
 
@@ -165,7 +165,7 @@ def load_with_told(snapshot: Any, hearing: Any, past: Any) -> None:
             load_with_disc(news_then[0, teller], news_then[1, teller], sensor, graph)
 
 
-@compiled
+@allocation_free
 def decide_from_delayed_news(
     begin: int, end: int, controller: int, filtering: Any, snapshot: Any, news: Any, decisions: Any, room: Any
 ) -> None:

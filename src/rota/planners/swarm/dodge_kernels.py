@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 
 CLEAR_M = 1e-6  # kept from discs, above rounding
 MARGIN = 0.1  # of both radii, kept as well by robots that are faster than the disc: walls and others may take of it
@@ -20,7 +20,7 @@ LOOK_AHEAD = 4.0  # times as long as a robot takes for both radii, which it may 
 PASSES = 2  # times that all discs are looked at, since dodging one may lead to another
 
 
-@compiled
+@allocation_free
 def out_of_way(
     px: float, py: float, vx: float, vy: float, reach_m: float, ahead_s: float, time_step_s: float
 ) -> tuple[float, float]:
@@ -57,8 +57,8 @@ def out_of_way(
     return on_leg * dx - vx, on_leg * dy - vy
 
 
-@compiled
-def dodged(
+@allocation_free
+def dodge(
     x: float, y: float, wx: float, wy: float, body: float, speed: float, moving: Any, time_step_s: float
 ) -> tuple[float, float]:
     """The wish (wx, wy), changed by the least that keeps the robot clear of coming discs; no faster than ``speed``."""
@@ -78,7 +78,7 @@ def dodged(
     return (wx * (speed / length), wy * (speed / length)) if length > speed else (wx, wy)
 
 
-@compiled
+@allocation_free
 def clearance_m(x: float, y: float, vx: float, vy: float, body: float, moving: Any, within_s: float) -> float:
     """The least gap in metres of a body that goes on at a velocity and any disc within a time; inf without discs."""
     least = math.inf

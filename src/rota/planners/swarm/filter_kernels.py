@@ -52,8 +52,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.swarm.dodge_kernels import CLEAR_M, clearance_m, dodged
-from rota.planners.swarm.kernels import cell_of, compiled, to_wall
+from rota.planners.swarm.dodge_kernels import CLEAR_M, clearance_m, dodge
+from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
 from rota.planners.swarm.state import Floats
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
@@ -69,13 +69,13 @@ class HalfPlanes(NamedTuple):
     bound: Floats
 
 
-@compiled
+@allocation_free
 def greatest_speed(gap_m: float, time_s: float) -> float:
     """Greatest speed in m/s towards something gap_m away; 0 where it touches already."""
     return max(gap_m - ROUNDING_M, 0.0) / time_s
 
 
-@compiled
+@allocation_free
 def cone(distance: float, spread_m: float) -> tuple[float, float, float]:
     """Cosine and sine of half the angle of the disc of radius spread_m < distance, and the cosine of half of that."""
     sine = spread_m / distance
@@ -83,7 +83,7 @@ def cone(distance: float, spread_m: float) -> tuple[float, float, float]:
     return cosine, sine, math.sqrt(0.5 + 0.5 * cosine)
 
 
-@compiled
+@allocation_free
 def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float, float]:
     """Unit vector towards a wall's nearest point, (dx, dy) away; across the wall for a robot that stands on it."""
     if distance > 1e-12:
@@ -93,7 +93,7 @@ def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float
     return (ay / length, -ax / length) if length > 0.0 else (0.0, 0.0)
 
 
-@compiled
+@allocation_free
 def add_half_plane(ex: float, ey: float, bound: float, count: int, longest: float, planes: Any) -> tuple[int, float]:
     """Note the half-plane v . e <= bound; returns how many there are, and the greatest length safe without more.
 
@@ -115,8 +115,8 @@ def add_half_plane(ex: float, ey: float, bound: float, count: int, longest: floa
     return max(count, k + 1), longest
 
 
-@compiled
-def bounded_by_robots(i: int, c: int, snapshot: Any, spread_m: Any, longest: float, planes: Any) -> tuple[int, float]:
+@allocation_free
+def bound_by_robots(i: int, c: int, snapshot: Any, spread_m: Any, longest: float, planes: Any) -> tuple[int, float]:
     """Note the half-planes of the robots round robot i, which is in cell c; returns their number, the greatest length.
 
     Both are as ``add_half_plane`` returns them. spread_m: as ``filter_velocities`` takes it.
@@ -149,8 +149,8 @@ def bounded_by_robots(i: int, c: int, snapshot: Any, spread_m: Any, longest: flo
     return count, longest
 
 
-@compiled
-def bounded_by_walls(i: int, c: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
+@allocation_free
+def bound_by_walls(i: int, c: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
     """Add the half-planes of walls near cell c; a robot that stands on a wall may only go along it."""
     robots, kinds, grid, time_step_s = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule.time_step_s
     kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
@@ -169,8 +169,8 @@ def bounded_by_walls(i: int, c: int, snapshot: Any, count: int, longest: float, 
     return count, longest
 
 
-@compiled
-def bounded_by_moving(i: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
+@allocation_free
+def bound_by_moving(i: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
     """Add the half-planes of discs that move; the bound is 0 where a disc comes nearer than the robot can make way."""
     moving, time_step_s = snapshot.moving, snapshot.rule.time_step_s
     x, y, body = snapshot.robots.x[i], snapshot.robots.y[i], snapshot.kinds.body_m[snapshot.robots.kind[i]]
@@ -185,7 +185,7 @@ def bounded_by_moving(i: int, snapshot: Any, count: int, longest: float, planes:
     return count, longest
 
 
-@compiled
+@allocation_free
 def share_within(vx: float, vy: float, slack: float, count: int, planes: Any) -> float:
     """Largest share of a velocity, up to 1, that all half-planes allow, each with that slack."""
     share = 1.0
@@ -196,7 +196,7 @@ def share_within(vx: float, vy: float, slack: float, count: int, planes: Any) ->
     return share
 
 
-@compiled
+@allocation_free
 def nearest_on_lines(wx: float, wy: float, count: int, planes: Any) -> tuple[float, float]:
     """The point nearest to the wish on the lines it lies beyond, of all points that the other half-planes leave.
 
@@ -228,7 +228,7 @@ def nearest_on_lines(wx: float, wy: float, count: int, planes: Any) -> tuple[flo
     return bx, by
 
 
-@compiled
+@allocation_free
 def nearest_allowed(wx: float, wy: float, longest: float, count: int, planes: Any) -> tuple[float, float]:
     """The velocity in all half-planes that is nearest to the wish, no longer than ``longest`` and than the wish.
 
@@ -251,8 +251,8 @@ def nearest_allowed(wx: float, wy: float, longest: float, count: int, planes: An
     return rx, ry
 
 
-@compiled
-def fled(i: int, c: int, vx: float, vy: float, snapshot: Any, spread_m: Any, planes: Any) -> tuple[float, float]:
+@allocation_free
+def flee(i: int, c: int, vx: float, vy: float, snapshot: Any, spread_m: Any, planes: Any) -> tuple[float, float]:
     """The velocity (vx, vy) or, where a disc would be met by it, the safe one that keeps farthest off.
 
     Of ``WAYS_OUT`` directions each is tried at top speed, shortened as the half-planes of robots and walls ask. c: the
@@ -264,8 +264,8 @@ def fled(i: int, c: int, vx: float, vy: float, snapshot: Any, spread_m: Any, pla
     if best_m >= CLEAR_M:
         return vx, vy
     bx, by, speed = vx, vy, kinds.speed_m_s[robots.kind[i]]
-    count, longest = bounded_by_robots(i, c, snapshot, spread_m, speed, planes)
-    count, longest = bounded_by_walls(i, c, snapshot, count, longest, planes)
+    count, longest = bound_by_robots(i, c, snapshot, spread_m, speed, planes)
+    count, longest = bound_by_walls(i, c, snapshot, count, longest, planes)
     for k in range(WAYS_OUT):
         angle = 2.0 * math.pi * k / WAYS_OUT
         ux, uy = longest * math.cos(angle), longest * math.sin(angle)
@@ -276,7 +276,7 @@ def fled(i: int, c: int, vx: float, vy: float, snapshot: Any, spread_m: Any, pla
     return bx, by
 
 
-@compiled
+@allocation_free
 def filter_velocities(
     begin: int, end: int, snapshot: Any, widest_m: float, spread_m: Any, decisions: Any, room: Any
 ) -> None:
@@ -294,7 +294,7 @@ def filter_velocities(
         kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
         body, speed = kinds.body_m[kind], kinds.speed_m_s[kind]
         if moving.x.shape[0] > 0:
-            vx, vy = dodged(x, y, vx, vy, body, speed, moving, time_step_s)
+            vx, vy = dodge(x, y, vx, vy, body, speed, moving, time_step_s)
             decisions.vx[i], decisions.vy[i] = vx, vy
         if vx == 0.0 and vy == 0.0:
             continue
@@ -305,12 +305,12 @@ def filter_velocities(
             continue
         count, longest = 0, math.sqrt(vx * vx + vy * vy)
         if crowded:
-            count, longest = bounded_by_robots(i, c, snapshot, spread_m, longest, planes)
-        count, longest = bounded_by_walls(i, c, snapshot, count, longest, planes)
-        count, longest = bounded_by_moving(i, snapshot, count, longest, planes)
+            count, longest = bound_by_robots(i, c, snapshot, spread_m, longest, planes)
+        count, longest = bound_by_walls(i, c, snapshot, count, longest, planes)
+        count, longest = bound_by_moving(i, snapshot, count, longest, planes)
         if longest == 0.0:
             decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         elif count > 0:
             decisions.vx[i], decisions.vy[i] = nearest_allowed(vx, vy, longest, count, planes)
         if moving.x.shape[0] > 0:
-            decisions.vx[i], decisions.vy[i] = fled(i, c, decisions.vx[i], decisions.vy[i], snapshot, spread_m, planes)
+            decisions.vx[i], decisions.vy[i] = flee(i, c, decisions.vx[i], decisions.vy[i], snapshot, spread_m, planes)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 from rota.planners.swarm.offer_kernels import cost_m, cover_places, pass_on_offers, settle_offers
 from rota.planners.swarm.place_kernels import places_of_row, rows_within
 
@@ -25,7 +25,7 @@ FREE_BELOW, HELD_FROM = 0.25, 0.5
 SIGHT_SHARE = 0.98  # of the way to a place seen counts, so that of two on the same way the farther one leads
 
 
-@compiled
+@allocation_free
 def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> None:
     """Load the places within reach of (x, y) with ``discs`` discs, each spread as a cone as large as a disc."""
     reach_m = REACH * sensor_m
@@ -40,7 +40,7 @@ def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> N
                 graph.load[k] += top * (1.0 - math.sqrt(distance2) / reach_m)
 
 
-@compiled
+@allocation_free
 def load_with_capacity(area_m2: Any, sensor_m: float, graph: Any) -> None:
     """Load the places with the ground about each of them, area_m2 (k,): up to 1 disc, less where there are walls."""
     graph.load[:] = 0.0
@@ -48,13 +48,13 @@ def load_with_capacity(area_m2: Any, sensor_m: float, graph: Any) -> None:
         add_load(graph.x[k], graph.y[k], sensor_m, area_m2[k] / (math.pi * sensor_m * sensor_m), graph)
 
 
-@compiled
+@allocation_free
 def clear_load(graph: Any) -> None:
     """Begin with places that nobody holds."""
     graph.load[:] = 1.0 if graph.worth.shape[0] else 0.0
 
 
-@compiled
+@allocation_free
 def load_with_disc(x: float, y: float, sensor_m: float, graph: Any) -> None:
     """Load the places about (x, y) with a robot's disc, or take it from them where ground differs in importance."""
     if graph.worth.shape[0]:
@@ -63,7 +63,7 @@ def load_with_disc(x: float, y: float, sensor_m: float, graph: Any) -> None:
         add_load(x, y, sensor_m, 1.0, graph)
 
 
-@compiled
+@allocation_free
 def load_with_all(robots: Any, kinds: Any, graph: Any) -> None:
     """Load the places with the discs of robots where they are."""
     clear_load(graph)
@@ -73,7 +73,7 @@ def load_with_all(robots: Any, kinds: Any, graph: Any) -> None:
             load_with_disc(robots.x[i], robots.y[i], sensor, graph)
 
 
-@compiled
+@allocation_free
 def pass_on_distances(step: int, graph: Any) -> None:
     """Make the next step's numbers of those told at this one: 0 at free places, else the least by way of another place.
 
@@ -94,7 +94,7 @@ def pass_on_distances(step: int, graph: Any) -> None:
         new[k] = least if least <= old[k] else graph.far_m
 
 
-@compiled
+@allocation_free
 def settle_distances(step: int, graph: Any, settled: Any) -> None:
     """Write (k,) what ``pass_on_distances`` comes to while nobody moves: the shortest ways to what is free at a step.
 
@@ -116,7 +116,7 @@ def settle_distances(step: int, graph: Any, settled: Any) -> None:
                     settled[k], changes = away, True
 
 
-@compiled
+@allocation_free
 def is_seen(x: float, y: float, px: float, py: float, c: int, grid: Any) -> bool:
     """Whether none of the walls of a grid's cell crosses the way from (x, y) to a place."""
     dx, dy = px - x, py - y
@@ -132,7 +132,7 @@ def is_seen(x: float, y: float, px: float, py: float, c: int, grid: Any) -> bool
     return True
 
 
-@compiled
+@allocation_free
 def direction_to_free_ground(
     x: float, y: float, within_m: float, step: int, c: int, grid: Any
 ) -> tuple[float, float, float]:

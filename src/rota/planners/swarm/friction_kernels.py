@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 
 STEPS_FOR_SENSOR = 64.0  # a robot that needs more of them for its sensor's radius has less friction, else none starts
 PATIENCE, FRICTION_GROWTH = 2.0, 4.0  # longest ways on the map, twice each, and by how much it grows in each more
@@ -19,7 +19,7 @@ LEAST_STEP = 1e-5  # what is left of a step below this is none: with late news, 
 LATE_FRICTION = 7.0  # times as much with late news, which drive robots to and fro
 
 
-@compiled
+@allocation_free
 def friction_unit_m(sensor_m: float, most_m: float, snapshot: Any) -> float:
     """The length that friction is a share of: the sensor's radius, or less where a step is much shorter than that.
 
@@ -35,8 +35,8 @@ def friction_unit_m(sensor_m: float, most_m: float, snapshot: Any) -> float:
     return unit_m * FRICTION_GROWTH**impatience if impatience > 0.0 else unit_m
 
 
-@compiled
-def rubbed(dx: float, dy: float, last_m: float, unit_m: float) -> tuple[float, float]:
+@allocation_free
+def rub(dx: float, dy: float, last_m: float, unit_m: float) -> tuple[float, float]:
     """What friction leaves of a step (dx, dy) after a step of last_m: (0, 0) of one hardly longer than friction.
 
     unit_m: by ``friction_unit_m``.

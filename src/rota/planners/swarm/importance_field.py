@@ -26,7 +26,7 @@ def importance_for(mission: Mission, ground: MultiPolygon, sensors_m: Floats) ->
     """
     seeing = sensors_m[sensors_m > 0]
     cells = importance_cells(mission, ground, float(seeing.min()) / CELLS_PER_SENSOR) if len(seeing) else None
-    return None if cells is None else cells.scaled(1.0 / cells.values.max())
+    return None if cells is None else cells.scale(1.0 / cells.values.max())
 
 
 def field_of(cells: ImportanceCells | None) -> ImportanceField:

@@ -7,20 +7,20 @@ import math
 from typing import Any
 
 from rota.planners.swarm.arc_kernels import area_gradient
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 
 SECTORS = 128  # of a circle: importance counts by its middles
 LEAST_UNIT = 0.02  # of the greatest importance: on ground that is worth less steps are shorter
 STRIPS = 24  # of a part of a disc: importance counts along their middles
 
 
-@compiled
+@allocation_free
 def matters(grid: Any) -> bool:
     """Whether some ground is worth more than other ground."""
     return grid.importance.values.shape[0] > 0
 
 
-@compiled
+@allocation_free
 def importance_at(x: float, y: float, field: Any) -> float:
     """Importance per square metre at a place: straight between the middles of cells, and beyond the rim as there."""
     rows, columns = field.values.shape
@@ -32,7 +32,7 @@ def importance_at(x: float, y: float, field: Any) -> float:
     return (1.0 - b) * ((1.0 - a) * v[j0, i0] + a * v[j0, i1]) + b * ((1.0 - a) * v[j1, i0] + a * v[j1, i1])
 
 
-@compiled
+@allocation_free
 def importance_gradient(x: float, y: float, sensor: float, count: int, arcs: Any, field: Any) -> tuple[float, float]:
     """The gradient of the covered importance, R integral importance n da over the arcs of the circle round (x, y).
 
@@ -54,7 +54,7 @@ def importance_gradient(x: float, y: float, sensor: float, count: int, arcs: Any
     return sensor * gx, sensor * gy
 
 
-@compiled
+@allocation_free
 def most_on_circle(x: float, y: float, sensor: float, field: Any) -> float:
     """The greatest importance per square metre on a circle."""
     most, width = 0.0, 2.0 * math.pi / SECTORS
@@ -64,7 +64,7 @@ def most_on_circle(x: float, y: float, sensor: float, field: Any) -> float:
     return most
 
 
-@compiled
+@allocation_free
 def up_to(u: float, row: int, field: Any) -> tuple[float, float]:
     """Importance of a row from its left end to u cells from there, and its moment about that end."""
     columns = field.values.shape[1]
@@ -75,7 +75,7 @@ def up_to(u: float, row: int, field: Any) -> tuple[float, float]:
     return field.sums[row, i] + part * value, field.moments[row, i] + part * value * (i * field.side_m + 0.5 * part)
 
 
-@compiled
+@allocation_free
 def importance_in_disc(
     x: float, y: float, outline: Any, corners: int, radius: float, field: Any
 ) -> tuple[float, float, float]:
@@ -119,7 +119,7 @@ def importance_in_disc(
     return whole * step, mx * step, my * step
 
 
-@compiled
+@allocation_free
 def worth_gradient(x: float, y: float, sensor: float, count: int, arcs: Any, grid: Any) -> tuple[float, float]:
     """The gradient of the covered area, or of the covered importance where that differs."""
     if matters(grid):
@@ -127,7 +127,7 @@ def worth_gradient(x: float, y: float, sensor: float, count: int, arcs: Any, gri
     return area_gradient(sensor, count, arcs)
 
 
-@compiled
+@allocation_free
 def unit_of_worth(x: float, y: float, sensor: float, whole: float, grid: Any) -> float:
     """The importance that a robot's steps are made by: the mean in its disc, or the most on its rim where that is more.
 

@@ -19,12 +19,12 @@ from rota.compiled.kernel import kernel
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def allocation_free(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array."""
     return kernel(**OPTIONS)(function)
 
 
-@compiled
+@allocation_free
 def cell_of(x: float, y: float, grid: Any) -> int:
     """Number of the cell with a place; places off the grid belong to the cell at its rim."""
     i = int((x - grid.x0) / grid.cell_m)
@@ -34,7 +34,7 @@ def cell_of(x: float, y: float, grid: Any) -> int:
     return (j + 1) * (grid.columns + 2) + i + 1
 
 
-@compiled
+@allocation_free
 def move(begin: int, end: int, robots: Any, decided: Any, time_step_s: float) -> float:
     """Write where the robots begin..end - 1 are after one time step into ``decided``, which has their new velocities.
 
@@ -48,7 +48,7 @@ def move(begin: int, end: int, robots: Any, decided: Any, time_step_s: float) ->
     return farthest2
 
 
-@compiled
+@allocation_free
 def move_and_sort(robots: Any, moved: Any, grid: Any, cell: Any, time_step_s: float) -> float:
     """Move each robot for one time step, and write all in the order of their new cells.
 
@@ -82,7 +82,7 @@ def move_and_sort(robots: Any, moved: Any, grid: Any, cell: Any, time_step_s: fl
     return farthest2
 
 
-@compiled
+@allocation_free
 def comes_before(distance2: float, name: int, k: int, near: Any, names: Any) -> bool:
     """Whether a robot comes before the k-th neighbour: it is nearer, or as near with a smaller number in the fleet."""
     if distance2 != near.distance2[k]:
@@ -90,7 +90,7 @@ def comes_before(distance2: float, name: int, k: int, near: Any, names: Any) -> 
     return name < names[near.robot[k]]
 
 
-@compiled
+@allocation_free
 def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, near: Any) -> tuple[int, float]:
     """Fill ``near`` with the ``most`` nearest robots within range_m of robot i, nearest first.
 
@@ -127,7 +127,7 @@ def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, n
     return count, nearest2
 
 
-@compiled
+@allocation_free
 def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
     """The vector from (x, y) to the nearest point of a segment."""
     ax, ay = wall[0] - x, wall[1] - y
@@ -139,7 +139,7 @@ def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
     return ax + along * dx, ay + along * dy
 
 
-@compiled
+@allocation_free
 def walls_of_cells(grid: Any, within_m: float, filling: bool) -> int:
     """List, cell by cell, the walls within within_m of any place of the cell; without ``filling`` only count them.
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.swarm.kernels import cell_of, compiled, to_wall
+from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
 
 
 class Pixels(NamedTuple):
@@ -27,8 +27,8 @@ class Pixels(NamedTuple):
     pixel_m: float
 
 
-@compiled
-def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) -> tuple[int, float]:
+@allocation_free
+def mark_new(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) -> tuple[int, float]:
     """Mark the free pixels whose centres are in range of any robot; returns how many there are, and their worth.
 
     squares: (n,) in the order of the fleet, whose footprints are squares of that half side, not discs of that radius.
@@ -54,7 +54,7 @@ def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) 
     return count, total
 
 
-@compiled
+@allocation_free
 def least_gaps(robots: Any, kinds: Any, grid: Any) -> tuple[float, float]:
     """Least distances in metres between the rims of two bodies, and of a body and a wall, as far as near cells show.
 
@@ -78,8 +78,8 @@ def least_gaps(robots: Any, kinds: Any, grid: Any) -> tuple[float, float]:
     return between, beside
 
 
-@compiled
-def turned_back(robots: Any, before_vx: Any, before_vy: Any, least_m_s: float) -> int:
+@allocation_free
+def count_turns_back(robots: Any, before_vx: Any, before_vy: Any, least_m_s: float) -> int:
     """How many robots move against their velocity of the step before.
 
     before_vx, before_vy: (n,) by number in the fleet; they take the velocities of now. A robot slower than least_m_s,

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.planners.swarm.metric_kernels import Pixels, least_gaps, newly_marked, turned_back
+from rota.planners.swarm.metric_kernels import Pixels, count_turns_back, least_gaps, mark_new
 from rota.planners.swarm.rollout import Swarm
 
 Floats = NDArray[np.float64]
@@ -110,11 +110,11 @@ class Observer:
         """Measure the swarm as it is now; elapsed_s: what the step took."""
         swarm = self._swarm
         n, robots = len(swarm), swarm.robots
-        count, worth = newly_marked(robots, swarm.kinds, self._squares, self._pixels, swarm.steps)
+        count, worth = mark_new(robots, swarm.kinds, self._squares, self._pixels, swarm.steps)
         seen = count / self._free_pixels
         worth = worth / self._all_worth if self._all_worth > 0 else seen
         between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
-        turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
+        turned = count_turns_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
         outside = n - int(shapely.intersects_xy(self._region, robots.x, robots.y).sum())
         footprints_m2 = float((np.where(self._squares, 4.0, math.pi) * swarm.sensors_m**2).sum())

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 from rota.planners.swarm.place_kernels import places_of_row, rows_within
 
 LEVEL, LEVELS = 0.7071067811865476, 12
@@ -21,13 +21,13 @@ LEAST_HOP = 0.5  # of the distance between places
 ROUNDING = 1e-9
 
 
-@compiled
+@allocation_free
 def share_in_disc(distance: float, radius: float, side: float) -> float:
     """About how much of the ground round a place, of such a side, lies in a disc at that distance."""
     return min(max((radius - distance) / side + 0.5, 0.0), 1.0)
 
 
-@compiled
+@allocation_free
 def cover_places(x: float, y: float, sensor_m: float, graph: Any) -> None:
     """Take the part that the disc round (x, y) covers from what is left of the ground about each place, graph.load."""
     reach_m = sensor_m + 0.5 * graph.cell_m
@@ -39,7 +39,7 @@ def cover_places(x: float, y: float, sensor_m: float, graph: Any) -> None:
             graph.load[k] *= 1.0 - share_in_disc(math.sqrt(dx * dx + dy * dy), sensor_m, graph.cell_m)
 
 
-@compiled
+@allocation_free
 def offer_of(place: int, graph: Any) -> float:
     """The importance that a robot of the least sensor would find at a place and that nobody covers yet."""
     x, y, reach_m, total = graph.x[place], graph.y[place], graph.reach_m + 0.5 * graph.cell_m, 0.0
@@ -54,7 +54,7 @@ def offer_of(place: int, graph: Any) -> float:
     return total
 
 
-@compiled
+@allocation_free
 def most_offered(graph: Any) -> float:
     """The greatest offer of any place."""
     most = 0.0
@@ -63,13 +63,13 @@ def most_offered(graph: Any) -> float:
     return most
 
 
-@compiled
+@allocation_free
 def level_of(number: float, graph: Any) -> int:
     """The level of an offer that a number tells; ``LEVELS`` of none."""
     return min(int(number / graph.way_m + ROUNDING), LEVELS)
 
 
-@compiled
+@allocation_free
 def cost_m(number: float, graph: Any) -> float:
     """How far away an offer counts as, by its number: the way to it, and what it lacks of the most."""
     level = level_of(number, graph)
@@ -78,14 +78,14 @@ def cost_m(number: float, graph: Any) -> float:
     return number - level * graph.way_m + graph.dear_m * (1.0 - LEVEL**level)
 
 
-@compiled
+@allocation_free
 def is_better(number: float, other: float, graph: Any) -> bool:
     """Whether a number costs less than another one; of those that cost as much the smaller is better."""
     own_m, other_m = cost_m(number, graph), cost_m(other, graph)
     return number < other if own_m == other_m else own_m < other_m
 
 
-@compiled
+@allocation_free
 def told_offer(offer: float, old: float, graph: Any) -> float:
     """The number by which a place tells its own offer, after it told ``old``; far_m of an offer below all levels."""
     worth = graph.most
@@ -97,8 +97,8 @@ def told_offer(offer: float, old: float, graph: Any) -> float:
     return graph.far_m
 
 
-@compiled
-def heard(place: int, told: Any, graph: Any) -> float:
+@allocation_free
+def hear(place: int, told: Any, graph: Any) -> float:
     """The number of least cost that a place hears from those beside it, which tell ``told``; far_m where none does."""
     least = graph.far_m
     for link in range(graph.link_start[place], graph.link_start[place + 1]):
@@ -109,7 +109,7 @@ def heard(place: int, told: Any, graph: Any) -> float:
     return least
 
 
-@compiled
+@allocation_free
 def pass_on_offers(step: int, graph: Any) -> None:
     """Make the next step's numbers of those told at this one: that of least cost, a place's own or by way of another.
 
@@ -118,14 +118,14 @@ def pass_on_offers(step: int, graph: Any) -> None:
     """
     old, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
     for k in range(graph.x.shape[0]):
-        least = heard(k, old, graph)
+        least = hear(k, old, graph)
         if cost_m(least, graph) > cost_m(old[k], graph):
             least = graph.far_m
         own = told_offer(offer_of(k, graph), old[k], graph)
         new[k] = least if is_better(least, own, graph) else own
 
 
-@compiled
+@allocation_free
 def settle_offers(step: int, graph: Any, settled: Any) -> None:
     """Write (k,) what ``pass_on_offers`` comes to while nobody moves, from the offers that are told at a step."""
     n, told = graph.x.shape[0], graph.away_m[step % 2]
@@ -135,12 +135,12 @@ def settle_offers(step: int, graph: Any, settled: Any) -> None:
     while changes:
         changes = False
         for k in range(n):
-            least = heard(k, settled, graph)
+            least = hear(k, settled, graph)
             if is_better(least, settled[k], graph):
                 settled[k], changes = least, True
 
 
-@compiled
-def offered(away_m: float, graph: Any) -> float:
+@allocation_free
+def worth_of_offer(away_m: float, graph: Any) -> float:
     """The importance that a cost stands for, less what the way to it counts; 0 where nothing is offered."""
     return graph.most * (1.0 - away_m / graph.dear_m) if away_m < graph.dear_m else 0.0

@@ -7,13 +7,13 @@ import math
 from typing import Any
 
 from rota.planners.swarm.importance_kernels import importance_in_disc, matters
-from rota.planners.swarm.kernels import cell_of, compiled, to_wall
+from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full
 
 
-@compiled
+@allocation_free
 def area_in_disc(outline: Any, corners: int, radius: float) -> float:
     """Area of a convex polygon that holds the origin, as far as it lies in the disc of a radius round the origin."""
     twice, r2 = 0.0, radius * radius
@@ -35,7 +35,7 @@ def area_in_disc(outline: Any, corners: int, radius: float) -> float:
     return 0.5 * twice
 
 
-@compiled
+@allocation_free
 def worth_in_disc(x: float, y: float, outline: Any, corners: int, radius: float, grid: Any) -> float:
     """Area of a convex polygon's part in the disc of a radius, both round (x, y); its importance where that differs."""
     if matters(grid):
@@ -43,7 +43,7 @@ def worth_in_disc(x: float, y: float, outline: Any, corners: int, radius: float,
     return area_in_disc(outline, corners, radius)
 
 
-@compiled
+@allocation_free
 def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room: Any) -> tuple[float, float, float]:
     """The share of its disc's ground that robot i has to itself, by the power diagram, and how much walls are in range.
 

@@ -28,7 +28,7 @@ LINK_BODY_SHARE = 0.95  # of the body, for ways along walls that the places them
 
 def empty_place_graph() -> PlaceGraph:
     """A map without places."""
-    return _linked(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
+    return _link(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
 
 
 def place_graph_of(walls: Floats, kinds: Kinds, importance: ImportanceCells | None = None) -> PlaceGraph:
@@ -62,7 +62,7 @@ def place_graph_of(walls: Floats, kinds: Kinds, importance: ImportanceCells | No
     free = ground.buffer(-LINK_BODY_SHARE * body_m, join_style="mitre")
     shapely.prepare(free)
     pairs = pairs[shapely.covers(free, shapely.linestrings(places[pairs]))]
-    graph = _linked(places, pairs, apart_m, low, (columns, rows))
+    graph = _link(places, pairs, apart_m, low, (columns, rows))
     load_with_capacity(area_m2, sensor_m, graph)
     graph = graph._replace(capacity=graph.load.copy())
     return graph if importance is None else with_worth(graph, area_m2 > 0, sensor_m, importance)
@@ -108,7 +108,7 @@ def _turning_points(room: BaseGeometry) -> Floats:
     return np.vstack(corners)
 
 
-def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
+def _link(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
     """The graph of places (n, 2) and links, pairs (l, 2) of places; the lattice begins at ``low`` (2,)."""
     n, (columns, rows) = len(places), shape
     both = np.vstack([pairs, pairs[:, ::-1]])

@@ -86,7 +86,7 @@ def run_mission(
     """
     settings = SwarmSettings.of(mission)
     ground = free_ground(mission)
-    state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
+    state = _beginning(mission, ground, seed) if resume is None else _resume(resume, mission, seed)
     swarm = _swarm_from(state, mission, ground, threads)
     log = _log_from(state)
     still, needed, stop_m = state.steps_at_rest, steps_at_rest(settings), longest_rest_m(mission)
@@ -181,7 +181,7 @@ def _plan_of(log: TrajectoryLog, mission: Mission, seed: int, end: RunEnd) -> Pl
     return Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
 
 
-def _resumed(state: Checkpoint, mission: Mission, seed: int) -> Checkpoint:
+def _resume(state: Checkpoint, mission: Mission, seed: int) -> Checkpoint:
     """The state, once it is clear that it is one of a run of this mission with this seed; CheckpointError otherwise."""
     state.require_same(mission, seed)
     hearing = hearing_of(SwarmSettings.of(state.mission))

@@ -111,7 +111,7 @@ class SwarmSettings(PlannerSettings):
                 yield (name,), f"{values[name]} is not allowed; with altitudes_m only {only}"
 
     @classmethod
-    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings that another controller, or another choice of it, would use."""
         for name in (name for name in values if values[name] is not None):
             if name in OF_RECIPROCAL and values.get("controller", "settle") != "reciprocal":
@@ -120,7 +120,7 @@ class SwarmSettings(PlannerSettings):
                 yield (name,), f"is for {NEEDED[name][0]}: {NEEDED[name][1]} only: remove it"
 
     @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """As few robots as possible, time for turns, and in space squares, periods and what changes with time."""
         if robot_count(data) is None and inner(data, "fleet", "robots") in (None, "fewest"):
             yield (

@@ -41,7 +41,7 @@ def unreached_ground(plan: Plan) -> list[Unreached]:
     found: list[BaseGeometry] = []
     for part in _rooms(ground, body_m):
         (reached if part.distance(shapely.MultiPoint(starts)) < 1e-6 else found).append(part)
-    told = [_unreached(part, reached, ground, body_m) for part in found if part.area > spot_m2] if reached else []
+    told = [_describe_part(part, reached, ground, body_m) for part in found if part.area > spot_m2] if reached else []
     return sorted(told, key=lambda part: -part.area_m2)
 
 
@@ -50,21 +50,21 @@ def _rooms(ground: MultiPolygon, body_m: float) -> list[BaseGeometry]:
     return list(shapely.get_parts(ground.buffer(-body_m, join_style="mitre") if body_m > 0 else ground))
 
 
-def _unreached(part: BaseGeometry, reached: list[BaseGeometry], ground: MultiPolygon, body_m: float) -> Unreached:
+def _describe_part(part: BaseGeometry, reached: list[BaseGeometry], ground: MultiPolygon, body_m: float) -> Unreached:
     """What there is to tell of a part that is not reached."""
     area_m2 = part.buffer(body_m, join_style="mitre").intersection(ground).area if body_m > 0 else part.area
     others = shapely.union_all(reached)
 
-    def joined(half_m: float) -> bool:
+    def is_joined(half_m: float) -> bool:
         """Whether a body of this radius comes from the one to the other."""
         return any(room.intersects(part) and room.intersects(others) for room in _rooms(ground, half_m))
 
     low, high = 0.0, body_m
-    if body_m <= 0 or not joined(1e-6 * body_m):
+    if body_m <= 0 or not is_joined(1e-6 * body_m):
         return Unreached(area_m2=area_m2, door_m=None, door_at_m=None)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if joined(middle) else (low, middle)
+        low, high = (middle, high) if is_joined(middle) else (low, middle)
     place = _bridge(part, others, _rooms(ground, NARROWER * low), body_m - NARROWER * low)
     return Unreached(area_m2=area_m2, door_m=2 * low, door_at_m=place)
 

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.kernels import cell_of, compiled
+from rota.planners.swarm.kernels import allocation_free, cell_of
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2, decide_reciprocal
 from rota.planners.swarm.state import Floats, Ints, Room
 
@@ -55,7 +55,7 @@ class BlockRoom(NamedTuple):
     exact: Floats
 
 
-@compiled
+@allocation_free
 def argument(x: float, y: float) -> float:
     """The angle of (x, y) in radians, 0..2 pi, to two units in the last place; NaN of (0, 0).
 
@@ -76,14 +76,14 @@ def argument(x: float, y: float) -> float:
     return TWO_PI - angle if y < 0.0 else angle
 
 
-@compiled
+@allocation_free
 def neighbour_of(k: int, lane: int, rows: Any) -> tuple[float, float, float, float]:
     """The vector to neighbour k, and the velocity relative to it."""
     dx, dy = rows[(DX + k) * BLOCK + lane], rows[(DY + k) * BLOCK + lane]
     return dx, dy, rows[(RX + k) * BLOCK + lane], rows[(RY + k) * BLOCK + lane]
 
 
-@compiled
+@allocation_free
 def in_order(one: Any, other: Any) -> tuple[Any, Any]:
     """Two neighbours, the one farther left first, so that sums do not depend on how the grid has them."""
     ax, ay, aux, auy = one
@@ -93,7 +93,7 @@ def in_order(one: Any, other: Any) -> tuple[Any, Any]:
     return first, (ax if change else bx, ay if change else by, aux if change else bux, auy if change else buy)
 
 
-@compiled
+@allocation_free
 def chord_of(neighbour: Any, vx: float, vy: float, speed: float) -> tuple[Any, float]:
     """The line of a neighbour's half-plane: e, b, half its length in the disc, and where it counts, so far all along.
 
@@ -110,8 +110,8 @@ def chord_of(neighbour: Any, vx: float, vy: float, speed: float) -> tuple[Any, f
     return (ex, ey, bound, half, -half, half), distance2 if other else math.inf
 
 
-@compiled
-def bounded(low: float, high: float, slope: float, left: float) -> tuple[float, float]:
+@allocation_free
+def narrow(low: float, high: float, slope: float, left: float) -> tuple[float, float]:
     """What of low <= t <= high has slope t <= left."""
     t = left / slope
     high = t if slope > 0.0 and t < high else high
@@ -119,20 +119,20 @@ def bounded(low: float, high: float, slope: float, left: float) -> tuple[float, 
     return low, high
 
 
-@compiled
-def met(one: Any, other: Any) -> tuple[Any, Any, float]:
+@allocation_free
+def meet(one: Any, other: Any) -> tuple[Any, Any, float]:
     """Two chords, each as far as the other's half-plane leaves it; and the sine of the angle between them."""
     ax, ay, a, a_half, a_low, a_high = one
     bx, by, b, b_half, b_low, b_high = other
     sine, cosine = ax * by - ay * bx, ax * bx + ay * by
-    a_low, a_high = bounded(a_low, a_high, sine, b - a * cosine)
-    b_low, b_high = bounded(b_low, b_high, -sine, a - b * cosine)
+    a_low, a_high = narrow(a_low, a_high, sine, b - a * cosine)
+    b_low, b_high = narrow(b_low, b_high, -sine, a - b * cosine)
     steep = abs(sine) if a_half > 0.0 and b_half > 0.0 else 1.0
     return (ax, ay, a, a_half, a_low, a_high), (bx, by, b, b_half, b_low, b_high), steep
 
 
-@compiled
-def added(total: Any, chord: Any, radius: float) -> Any:
+@allocation_free
+def add(total: Any, chord: Any, radius: float) -> Any:
     """The sums over chords, with one more of them.
 
     Twice the area and thrice the first moment (x, y) over them; the arcs' ends less their beginnings, (x, y), and the
@@ -162,7 +162,7 @@ def added(total: Any, chord: Any, radius: float) -> Any:
     )
 
 
-@compiled
+@allocation_free
 def widest(one: Any, two: Any, three: Any, four: Any) -> float:
     """The length of the longest of four chords, below 0 where other half-planes leave nothing of any."""
     a = one[5] - one[4] if one[3] > 0.0 else -math.inf
@@ -173,7 +173,7 @@ def widest(one: Any, two: Any, three: Any, four: Any) -> float:
     return a if a > c else c
 
 
-@compiled
+@allocation_free
 def choose_velocities(rows: Any) -> None:
     """The centroids of the sets of a block's robots into its rows; OPEN: 1 where the set is left open, else 0.
 
@@ -192,19 +192,19 @@ def choose_velocities(rows: Any) -> None:
         three, third2 = chord_of(c, vx, vy, radius)
         four, fourth2 = chord_of(d, vx, vy, radius)
         rows[NEAREST2 * BLOCK + lane] = min(min(nearest2, second2), min(third2, fourth2))
-        one, two, steep = met(one, two)
-        one, three, other = met(one, three)
+        one, two, steep = meet(one, two)
+        one, three, other = meet(one, three)
         steep = min(steep, other)
-        one, four, other = met(one, four)
+        one, four, other = meet(one, four)
         steep = min(steep, other)
-        two, three, other = met(two, three)
+        two, three, other = meet(two, three)
         steep = min(steep, other)
-        two, four, other = met(two, four)
+        two, four, other = meet(two, four)
         steep = min(steep, other)
-        three, four, other = met(three, four)
+        three, four, other = meet(three, four)
         steep = min(steep, other)
-        total = added((0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0), one, radius)
-        total = added(added(added(total, two, radius), three, radius), four, radius)
+        total = add((0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0), one, radius)
+        total = add(add(add(total, two, radius), three, radius), four, radius)
         area, mx, my, sx, sy, px, py, balance, ends, away = total
         angle, r2 = argument(px, py), radius * radius
         area += r2 * angle
@@ -221,7 +221,7 @@ def choose_velocities(rows: Any) -> None:
         rows[OPEN * BLOCK + lane] = 1.0 if unsure and not still and least < radius else 0.0
 
 
-@compiled
+@allocation_free
 def without_farthest(i: int, count: int, robots: Any, found: Any) -> int:
     """Take the farthest from robot i out of ``count`` found ones; of two as far, that of the greater number.
 
@@ -238,7 +238,7 @@ def without_farthest(i: int, count: int, robots: Any, found: Any) -> int:
     return count - 1
 
 
-@compiled
+@allocation_free
 def gather(first: int, lanes: int, snapshot: Any, room: Any) -> None:
     """Write the robots first..first + lanes - 1 and their nearest neighbours into the rows of a ``BlockRoom``.
 
@@ -282,7 +282,7 @@ def gather(first: int, lanes: int, snapshot: Any, room: Any) -> None:
         rows[U(LEFT * BLOCK + lane)] = 1.0 if left else 0.0
 
 
-@compiled
+@allocation_free
 def decide_in_blocks(begin: int, end: int, snapshot: Any, widest_m: float, decisions: Any, room: Any) -> None:
     """As ``decide_reciprocal`` and ``filter_velocities``, for exact centroids, tangents and 1 to ``PLANES`` neighbours.
 

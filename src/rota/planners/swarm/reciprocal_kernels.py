@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
+from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
 
 SAME_PLACE_M2 = 1e-24
@@ -16,23 +16,23 @@ INCREMENT = np.uint64(0x9E3779B97F4A7C15)
 FIRST, SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 
 
-@compiled
-def mixed(state: Any) -> Any:
+@allocation_free
+def mix(state: Any) -> Any:
     """A number in which every bit depends on every bit of the state (the finaliser of splitmix64)."""
     state = (state ^ (state >> np.uint64(30))) * FIRST
     state = (state ^ (state >> np.uint64(27))) * SECOND
     return state ^ (state >> np.uint64(31))
 
 
-@compiled
+@allocation_free
 def sample_key(seed: int, name: int, step: int) -> Any:
     """Where the random numbers of one robot in one step begin."""
-    key = mixed(np.uint64(seed) + INCREMENT)
-    key = mixed(key ^ (np.uint64(name) * INCREMENT + INCREMENT))
-    return mixed(key ^ (np.uint64(step) * INCREMENT + INCREMENT))
+    key = mix(np.uint64(seed) + INCREMENT)
+    key = mix(key ^ (np.uint64(name) * INCREMENT + INCREMENT))
+    return mix(key ^ (np.uint64(step) * INCREMENT + INCREMENT))
 
 
-@compiled
+@allocation_free
 def sampled_mean(key: Any, samples: int, speed: float, outline: Any, corners: int) -> tuple[bool, float, float]:
     """Algorithm 1: the mean of random velocities of the square round the disc that lie in the set; False: of none.
 
@@ -41,7 +41,7 @@ def sampled_mean(key: Any, samples: int, speed: float, outline: Any, corners: in
     inside, sum_x, sum_y = 0, 0.0, 0.0
     scale = 2.0 * speed / 4294967296.0
     for k in range(samples):
-        bits = mixed(key + np.uint64(k + 1) * INCREMENT)
+        bits = mix(key + np.uint64(k + 1) * INCREMENT)
         x = scale * (np.float64(bits >> np.uint64(32)) + 0.5) - speed
         y = scale * (np.float64(bits & np.uint64(0xFFFFFFFF)) + 0.5) - speed
         if x * x + y * y > speed * speed:
@@ -63,7 +63,7 @@ def sampled_mean(key: Any, samples: int, speed: float, outline: Any, corners: in
     return True, sum_x / inside, sum_y / inside
 
 
-@compiled
+@allocation_free
 def half_plane(
     dx: float, dy: float, distance: float, own: Any, other: Any, share: float, rule: Any
 ) -> tuple[float, float, float]:
@@ -88,7 +88,7 @@ def half_plane(
     return -nx, -ny, -((vx + share * u * nx) * nx + (vy + share * u * ny) * ny)
 
 
-@compiled
+@allocation_free
 def decide_reciprocal(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """New velocities of the robots begin..end - 1 from one ``Snapshot`` into ``Decisions`` (Eqs. 9 and 10).
 

@@ -13,7 +13,7 @@ from rota.geometry.free_space import free_ground, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.model.plan import Plan
 from rota.planners.swarm.reach import unreached_ground
-from rota.planning.plan_summary import range_at_the_end, range_from, rounded
+from rota.planning.plan_summary import range_at_the_end, range_from, round_off
 
 TOLD = 5  # parts of the ground that cannot be reached
 
@@ -23,8 +23,8 @@ def holding_sentence(plan: Plan) -> str:
     ways_m = [float(np.linalg.norm(np.diff(t.positions_m, axis=0), axis=1).sum()) for t in plan]
     n, last_s = len(plan.trajectories), max((trajectory.loop_start_s for trajectory in plan), default=0.0)
     robots = f"{n} robot" + ("s hold" if n != 1 else " holds")
-    gone = f"{rounded(min(ways_m))} to {rounded(max(ways_m))} m" if n > 1 else f"{rounded(ways_m[0])} m"
-    held = f"{robots} {rounded(last_s)} s after setting out, having gone {gone}"
+    gone = f"{round_off(min(ways_m))} to {round_off(max(ways_m))} m" if n > 1 else f"{round_off(ways_m[0])} m"
+    held = f"{robots} {round_off(last_s)} s after setting out, having gone {gone}"
     if plan.run_end is None or plan.run_end.at_rest:
         return f"{held}."
     return f"{held}: the run was {plan.run_end.text()}."
@@ -34,7 +34,7 @@ def covered_sentence(plan: Plan) -> str:
     """How much of the free space the holding robots have in range, and what footprints that share nothing would."""
     in_range, free, sum_m2 = range_at_the_end(plan)
     share, most = in_range.area / free.area, min(1.0, sum_m2 / free.area)
-    seen = seen_at_the_end(plan)
+    seen = sight_at_the_end(plan)
     sight = "" if seen is None else f" and see {seen.intersection(free).area / free.area:.1%}, through no wall"
     told = f"They then have {share:.1%} of the area in range{sight}; footprints without overlap would have {most:.1%}."
     worth = importance_in_range(plan)
@@ -46,7 +46,7 @@ def reach_sentences(plan: Plan) -> Iterator[str]:
     whole_m2, body_m = free_ground(plan.mission).area, min(r.body_radius_m for r in plan.mission.fleet.robots or ())
     parts = unreached_ground(plan)
     for part in parts[:TOLD]:
-        told = f"{rounded(part.area_m2)} m2, {part.area_m2 / whole_m2:.1%} of the ground, cannot be reached"
+        told = f"{round_off(part.area_m2)} m2, {part.area_m2 / whole_m2:.1%} of the ground, cannot be reached"
         if part.door_m is None or part.door_at_m is None:
             yield f"{told}: there is no door to it."
         else:
@@ -57,10 +57,10 @@ def reach_sentences(plan: Plan) -> Iterator[str]:
             )
     if len(parts) > TOLD:
         rest_m2 = sum(part.area_m2 for part in parts[TOLD:])
-        yield f"{len(parts) - TOLD} more parts, {rounded(rest_m2)} m2 together, cannot be reached."
+        yield f"{len(parts) - TOLD} more parts, {round_off(rest_m2)} m2 together, cannot be reached."
 
 
-def seen_at_the_end(plan: Plan) -> BaseGeometry | None:
+def sight_at_the_end(plan: Plan) -> BaseGeometry | None:
     """What the robots see from their last places between what blocks sight, as a shape; None where nothing blocks."""
     walls_m, seen = sight_walls(plan.mission), []
     if not len(walls_m):

@@ -9,10 +9,10 @@ from typing import Any
 from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, exposed_arcs
 from rota.planners.swarm.baseline_kernels import FULL_SHARE_CAUSES, overlaps_with_robots, towards
 from rota.planners.swarm.free_ground_kernels import direction_to_free_ground
-from rota.planners.swarm.friction_kernels import friction_unit_m, rubbed
+from rota.planners.swarm.friction_kernels import friction_unit_m, rub
 from rota.planners.swarm.importance_kernels import matters, unit_of_worth, worth_gradient
-from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
-from rota.planners.swarm.offer_kernels import offered
+from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
+from rota.planners.swarm.offer_kernels import worth_of_offer
 from rota.planners.swarm.own_ground_kernels import own_share
 
 # ------------------------------------------------------------ steps
@@ -39,13 +39,13 @@ MOVE_ON_GAIN = 3.0  # they do so at full speed when 1 / MOVE_ON_GAIN is missing 
 GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keeps between them
 
 
-@compiled
+@allocation_free
 def touch_m(kind: int, kinds: Any) -> float:
     """How near to a wall the middle of a robot of a kind must be not to push on into it."""
     return kinds.body_m[kind] + TOUCH_SHARE * kinds.sensor_m[kind]
 
 
-@compiled
+@allocation_free
 def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid: Any) -> tuple[float, float]:
     """The step (dx, dy) from (x, y) without its part that leads into walls within near_m.
 
@@ -61,7 +61,7 @@ def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid
     return dx, dy
 
 
-@compiled
+@allocation_free
 def room_for_those_ahead(
     i: int, neighbours: int, away_m: float, snapshot: Any, near: Any
 ) -> tuple[float, float, float]:
@@ -89,7 +89,7 @@ def room_for_those_ahead(
     return bx, by, most
 
 
-@compiled
+@allocation_free
 def overlaps_with_nearest(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
     """As ``overlaps_with_robots`` has them, but no sensor reaches past the last of the neighbours.
 
@@ -107,7 +107,7 @@ def overlaps_with_nearest(i: int, neighbours: int, robots: Any, kinds: Any, near
     return fx, fy, causes
 
 
-@compiled
+@allocation_free
 def pushes(
     i: int, neighbours: int, crowd: bool, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any
 ) -> tuple[float, float]:
@@ -130,7 +130,7 @@ def pushes(
     return share * (fx + by_walls * hx), share * (fy + by_walls * hy)
 
 
-@compiled
+@allocation_free
 def share_moving_on(own: float, walled: float) -> float:
     """How far a robot makes for free ground, 0..1: more, the less of the ground in its range it has to itself.
 
@@ -140,7 +140,7 @@ def share_moving_on(own: float, walled: float) -> float:
     return min(max(MOVE_ON_GAIN * (below - own), 0.0), 1.0)
 
 
-@compiled
+@allocation_free
 def tightness(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> float:
     """How near the nearest robot's body is, 0..1: 1 where it touches, 0 from ``GAP_TO_AHEAD`` of both radii on."""
     if neighbours == 0:
@@ -150,7 +150,7 @@ def tightness(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> fl
     return min(max(1.0 - (math.sqrt(near.distance2[0]) - bodies) / gap_m, 0.0), 1.0) if gap_m > 0.0 else 0.0
 
 
-@compiled
+@allocation_free
 def moving_on(
     x: float, y: float, sensor: float, own: float, has: float, walled: float, crowd: bool, snapshot: Any
 ) -> tuple[float, float, float, float]:
@@ -167,12 +167,12 @@ def moving_on(
     if wx == 0.0 and wy == 0.0:
         return 0.0, away_m, wx, wy
     if matters(grid):
-        offer = offered(away_m, grid.place_graph)
+        offer = worth_of_offer(away_m, grid.place_graph)
         own, walled = has / offer if offer > 0.0 else 1.0, 1.0
     return share_moving_on(own, walled), away_m, wx, wy
 
 
-@compiled
+@allocation_free
 def share_pushed(own: float, walled: float, going: float, told: bool, tight: float, differs: bool) -> float:
     """How far a robot goes by pushes, 0..1, not by the gradient: not at walls, nor where it makes for free ground.
 
@@ -190,7 +190,7 @@ def share_pushed(own: float, walled: float, going: float, told: bool, tight: flo
     return pressed * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
 
 
-@compiled
+@allocation_free
 def wish_of(
     i: int, neighbours: int, snapshot: Any, room: Any
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -224,7 +224,7 @@ def wish_of(
     return dx, dy, going, away_m, wx, wy, walled
 
 
-@compiled
+@allocation_free
 def note_wishes(snapshot: Any, wishes: Any, room: Any) -> None:
     """Write how far each robot would go in its next step, (n,) metres in the order of the state, as ``wish_of`` says.
 
@@ -246,7 +246,7 @@ def note_wishes(snapshot: Any, wishes: Any, room: Any) -> None:
             wishes[i] = math.sqrt(dx * dx + dy * dy)
 
 
-@compiled
+@allocation_free
 def decide_settle(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """Up the gradient of the covered area, with momentum; pressed robots by overlaps, and on to free ground.
 
@@ -291,5 +291,5 @@ def decide_settle(begin: int, end: int, snapshot: Any, decisions: Any, room: Any
             momentum, dx, dy = 0.0, TURN_BACK_SHARE * dx, TURN_BACK_SHARE * dy
         dx, dy = dx + momentum * last_x, dy + momentum * last_y
         dx, dy = not_into_walls(robots.x[i], robots.y[i], touch_m(kind, kinds), dx, dy, grid)
-        dx, dy = rubbed(dx, dy, last_m, unit_m)
+        dx, dy = rub(dx, dy, last_m, unit_m)
         decisions.vx[i], decisions.vy[i] = towards(dx, dy, speed, rule.time_step_s)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from rota.compiled.by_reference import by_reference
 from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
-from rota.planners.swarm.kernels import cell_of, comes_before, compiled, to_wall
+from rota.planners.swarm.kernels import allocation_free, cell_of, comes_before, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2
 from rota.planners.swarm.space_set_kernels import add_plane, centroid_in_ball
 from rota.planners.swarm.state import Floats, Grid, Kinds, Near, Outline, Robots, Rule
@@ -74,7 +74,7 @@ class SpaceRoom(NamedTuple):
     spare: Outline
 
 
-@compiled
+@allocation_free
 def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, range_m: float, near: Any) -> int:
     """The ``most`` nearest robots within range_m (no more than a cell's side) of robot i, nearest first, into ``near``.
 
@@ -103,20 +103,20 @@ def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, ran
     return count
 
 
-@compiled
+@allocation_free
 def lowest_m(z: float, low_m: float, full_m: float) -> float:
     """How far down a robot may go: to the floor, and not where its footprint, full from full_m on, would shrink."""
     return max(low_m, min(z, full_m))
 
 
-@compiled
+@allocation_free
 def in_plane(ex: float, ey: float, sign: float) -> tuple[float, float]:
     """The unit vector along (ex, ey); along x or against it, as the sign says, where that is nothing."""
     length = math.sqrt(ex * ex + ey * ey)
     return (ex / length, ey / length) if length > STRAIGHT_ABOVE else (sign, 0.0)
 
 
-@compiled
+@allocation_free
 def decide_in_space(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """New velocities of the robots begin..end - 1 from one snapshot: the centroid of what each may choose.
 
@@ -161,7 +161,7 @@ def decide_in_space(begin: int, end: int, snapshot: Any, decisions: Any, room: A
         decisions.vz[name] = cz if ok else 0.0
 
 
-@compiled
+@allocation_free
 def tighter(limit: Any, vx: float, vy: float, vz: float, ex: float, ey: float, ez: float, bound: float) -> Any:
     """The worse of the half-space that a velocity violates most so far and v . e <= bound, and the least share allowed.
 
@@ -174,7 +174,7 @@ def tighter(limit: Any, vx: float, vy: float, vz: float, ex: float, ey: float, e
     return limit[0], limit[1], limit[2], limit[3], limit[4], share
 
 
-@compiled
+@allocation_free
 def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
     """The half-space that robot i's velocity violates most, as (violation, e, bound), and the share that all allow."""
     robots, heights, kinds = snapshot.robots, snapshot.heights, snapshot.kinds
@@ -210,7 +210,7 @@ def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
     return limit
 
 
-@compiled
+@allocation_free
 def climb(begin: int, end: int, snapshot: Any, nearest2: Any, decisions: Any) -> None:
     """Let the robots begin..end - 1, which have decided in the plane, climb to where their footprints are full.
 
@@ -229,7 +229,7 @@ def climb(begin: int, end: int, snapshot: Any, nearest2: Any, decisions: Any) ->
         decisions.vx[i], decisions.vy[i], decisions.vz[name] = share * vx, share * vy, share * vz
 
 
-@compiled
+@allocation_free
 def filter_in_space(begin: int, end: int, snapshot: Any, decisions: Any) -> None:
     """Replace the velocities of the robots begin..end - 1 by ones that are safe for one step.
 

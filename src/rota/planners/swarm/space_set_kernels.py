@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 MOST_PLANES = 56  # each of them may add a corner to a face
@@ -31,7 +31,7 @@ POLE = (0.43622, -0.64117, 0.63136)  # p: a direction that no plane of a mission
 PARALLEL = 1e-12  # sine of the angle between planes that do not meet within reach
 
 
-@compiled
+@allocation_free
 def add_plane(planes: Any, count: int, ex: float, ey: float, ez: float, bound: float) -> int:
     """Add the half-space v . e <= bound, e a unit vector; returns how many there are. Without room it is left out."""
     if count == planes.shape[0]:
@@ -40,7 +40,7 @@ def add_plane(planes: Any, count: int, ex: float, ey: float, ez: float, bound: f
     return count + 1
 
 
-@compiled
+@allocation_free
 def across(nx: float, ny: float, nz: float) -> tuple[float, float, float, float, float, float]:
     """Two unit vectors normal to the unit vector (nx, ny, nz) and to each other, right-handed with it."""
     if abs(nx) <= abs(ny) and abs(nx) <= abs(nz):
@@ -54,7 +54,7 @@ def across(nx: float, ny: float, nz: float) -> tuple[float, float, float, float,
     return ax, ay, az, ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
 
 
-@compiled
+@allocation_free
 def face_of(
     planes: Any, count: int, f: int, radius: float, tx: Any, ty: Any, outline: Any, spare: Any
 ) -> tuple[int, bool]:
@@ -85,8 +85,8 @@ def face_of(
     return corners, swapped
 
 
-@compiled
-def seen_from(pole: Any, x: float, y: float, scale: float, height: float) -> float:
+@allocation_free
+def solid_angle(pole: Any, x: float, y: float, scale: float, height: float) -> float:
     """The signed solid angle of a spherical triangle: the pole, a face's normal and the direction of (x, y, height).
 
     pole: in the face's axes. scale: makes unit vectors of pole and direction, for their products. Source: van Oosterom
@@ -97,7 +97,7 @@ def seen_from(pole: Any, x: float, y: float, scale: float, height: float) -> flo
     return 2.0 * math.atan2(triple, 1.0 + pz / length + scale * (px * x + py * y + (pz + length) * height))
 
 
-@compiled
+@allocation_free
 def outer(
     px: float, py: float, qx: float, qy: float, radius: float, height: float, pole: Any
 ) -> tuple[float, float, float, float]:
@@ -112,11 +112,11 @@ def outer(
     ax, ay, bx, by = p_scale * px, p_scale * py, q_scale * qx, q_scale * qy
     scale = 1.0 / (ball * pole[3])
     over = angle * (1.0 - height / ball)
-    over += seen_from(pole, bx, by, scale, height) - seen_from(pole, ax, ay, scale, height)
+    over += solid_angle(pole, bx, by, scale, height) - solid_angle(pole, ax, ay, scale, height)
     return r2 * angle, r2 * (by - ay), r2 * (ax - bx), over
 
 
-@compiled
+@allocation_free
 def face_moments(
     outline: Any, corners: int, radius: float, height: float, pole: Any
 ) -> tuple[bool, float, float, float, float, float, float, float]:
@@ -162,7 +162,7 @@ def face_moments(
     return holds or extent > 0.0, 0.5 * area, mx / 3.0, my / 3.0, over, extent, sx, sy
 
 
-@compiled
+@allocation_free
 def sphere_left(over: float, nearly_all: bool) -> float:
     """The part of the sphere in the set, a solid angle, from that over the border's arcs, known up to turns of 4 pi.
 
@@ -175,7 +175,7 @@ def sphere_left(over: float, nearly_all: bool) -> float:
     return -over - turn * math.floor((-over - least) / turn)
 
 
-@compiled
+@allocation_free
 def centroid_in_ball(
     planes: Any, count: int, radius: float, outline: Any, spare: Any
 ) -> tuple[bool, float, float, float]:

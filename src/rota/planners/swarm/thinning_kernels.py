@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 
 
-@compiled
+@allocation_free
 def thin(places: Any, allowed: float, kept: Any) -> None:
     """Mark the steps that are kept of each robot's places (steps, n, 2 or 3), the first and the last among them.
 

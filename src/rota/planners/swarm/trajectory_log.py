@@ -61,12 +61,12 @@ class TrajectoryLog:
         """Keep the last places as they are; no thinning goes across them."""
         if self._filled == 1:
             return
-        self._kept.append(self._thinned())
+        self._kept.append(self._thin())
         self._begin += self._filled - 1
         self._block[0] = self._block[self._filled - 1]
         self._filled = 1
 
-    def _thinned(self) -> Kept:
+    def _thin(self) -> Kept:
         """What thinning keeps of the places of this block."""
         places = self.recent_m
         marks: Any = np.zeros(places.shape[:2], np.int8)
@@ -78,7 +78,7 @@ class TrajectoryLog:
 
     def trajectories(self, names: list[str], time_step_s: float) -> tuple[Trajectory, ...]:
         """One for each robot; at the end it holds."""
-        last = [self._thinned()] if self._filled > 1 or self._begin == 0 else []
+        last = [self._thin()] if self._filled > 1 or self._begin == 0 else []
         step, robot, places = (np.concatenate(parts) for parts in zip(*self._kept, *last, strict=True))
         order = np.lexsort((step, robot))
         ends = np.cumsum(np.bincount(robot, minlength=len(names)))[:-1]

@@ -6,13 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import allocation_free
 
 MOST_CORNERS = 64
 SLIVER = 1e-12  # an area below this share of the disc's square has no centroid that rounding leaves
 
 
-@compiled
+@allocation_free
 def square_round(half: float, outline: Any) -> int:
     """Make the outline the square with sides 2 half round the origin; returns its number of corners."""
     outline.x[0], outline.y[0] = -half, -half
@@ -22,7 +22,7 @@ def square_round(half: float, outline: Any) -> int:
     return 4
 
 
-@compiled
+@allocation_free
 def is_cut(outline: Any, corners: int, ex: float, ey: float, bound: float) -> bool:
     """Whether any corner lies beyond the half-plane v . e <= bound."""
     for k in range(corners):  # noqa: SIM110 (a compiled loop)
@@ -31,7 +31,7 @@ def is_cut(outline: Any, corners: int, ex: float, ey: float, bound: float) -> bo
     return False
 
 
-@compiled
+@allocation_free
 def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: Any) -> int:
     """Write the part of a convex polygon with v . e <= bound into ``result``; returns its corners, 0: none is left.
 
@@ -59,7 +59,7 @@ def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: 
     return m
 
 
-@compiled
+@allocation_free
 def polygon_centroid(outline: Any, corners: int, least_area: float) -> tuple[float, float]:
     """Centroid of a convex polygon; the mean of its corners where its area is below the least area."""
     x0, y0 = outline.x[0], outline.y[0]
@@ -80,7 +80,7 @@ def polygon_centroid(outline: Any, corners: int, least_area: float) -> tuple[flo
     return mx / corners, my / corners
 
 
-@compiled
+@allocation_free
 def arc_angle(px: float, py: float, qx: float, qy: float, whole: bool) -> float:
     """Angle in radians from p counter-clockwise to q, 0..2 pi; ``whole``: 2 pi where rounding leaves 0 or 2 pi."""
     angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
@@ -89,7 +89,7 @@ def arc_angle(px: float, py: float, qx: float, qy: float, whole: bool) -> float:
     return 0.0 if angle > -1e-9 and not whole else angle + 2.0 * math.pi
 
 
-@compiled
+@allocation_free
 def centroid_in_disc(outline: Any, corners: int, radius: float) -> tuple[bool, float, float]:
     """Centroid of a convex polygon's part in the disc of a radius round the origin, in closed form; False: empty.
 

@@ -29,7 +29,7 @@ def document() -> Json:
     """The document."""
     paths: dict[str, Json] = {}
     for operation in OPERATIONS:
-        paths.setdefault(operation.path, {})[operation.method.lower()] = _described(operation)
+        paths.setdefault(operation.path, {})[operation.method.lower()] = _describe(operation)
     return {
         "openapi": "3.1.0",
         "info": {
@@ -49,7 +49,7 @@ def document() -> Json:
     }
 
 
-def _described(operation: Operation) -> Json:
+def _describe(operation: Operation) -> Json:
     """An operation as OpenAPI describes it."""
     answer: Json = {"description": HTTPStatus(operation.status).phrase}
     if operation.gives is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rota.web.interface.values import ANYTHING, COUNT, NUMBER, TEXT, Schema, an_object, listed, or_null, ref
+from rota.web.interface.values import ANYTHING, COUNT, NUMBER, TEXT, Schema, an_object, list_of, or_null, ref
 
 JSON, BYTES, EVENTS = "application/json", "application/octet-stream", "text/event-stream"
 UPLOAD = "multipart/form-data"
@@ -72,7 +72,7 @@ OPERATIONS = (
     Operation(method="GET", path="/openapi.json", what="This document.", gives=ANYTHING),
     Operation(method="GET", path="/api/about", what="Version, planners, formats, links, limits.", gives=ref("About")),
     Operation(method="GET", path="/api/schema/mission", what="The JSON Schema of mission files.", gives=ANYTHING),
-    Operation(method="GET", path="/api/examples", what="All examples.", gives=listed(ref("Example"))),
+    Operation(method="GET", path="/api/examples", what="All examples.", gives=list_of(ref("Example"))),
     Operation(
         method="GET", path="/api/examples/{name}", what="An example as a document.", gives=ref("ReadMission"),
         refuses=(404,),
@@ -84,7 +84,7 @@ OPERATIONS = (
     ),
     Operation(
         method="GET", path="/api/missions", what="All missions, the one changed last first.",
-        gives=listed(ref("MissionEntry")),
+        gives=list_of(ref("MissionEntry")),
     ),
     Operation(
         method="POST", path="/api/missions", status=201,
@@ -121,7 +121,7 @@ OPERATIONS = (
         method="POST", path="/api/jobs", what="Plan a mission as it is now, when its turn comes.", status=201,
         body=_START_JOB, gives=ref("Job"), refuses=(404, 409, 415, 422),
     ),
-    Operation(method="GET", path="/api/jobs", what="All jobs, the newest first.", gives=listed(ref("Job"))),
+    Operation(method="GET", path="/api/jobs", what="All jobs, the newest first.", gives=list_of(ref("Job"))),
     Operation(method="GET", path="/api/jobs/{id}", what="A job.", gives=ref("Job"), refuses=(404,)),
     Operation(
         method="DELETE", path="/api/jobs/{id}", what="Delete a job that is over; its plan stays.", status=204,
@@ -139,7 +139,7 @@ OPERATIONS = (
         method="POST", path="/api/jobs/{id}/again", what="Ask what a job asked once more.", status=201,
         gives=ref("Job"), refuses=(404, 409),
     ),
-    Operation(method="GET", path="/api/plans", what="All plans, the newest first.", gives=listed(ref("Plan"))),
+    Operation(method="GET", path="/api/plans", what="All plans, the newest first.", gives=list_of(ref("Plan"))),
     Operation(
         method="POST", path="/api/plans", what="Check and keep a plan file.", uploads=True, status=201,
         gives=ref("Plan"), refuses=(409, 413, 415, 422),
@@ -174,7 +174,7 @@ OPERATIONS = (
             _SET,
         ),
     ),
-    Operation(method="GET", path="/api/watches", what="All live fleets.", gives=listed(ref("Watch"))),
+    Operation(method="GET", path="/api/watches", what="All live fleets.", gives=list_of(ref("Watch"))),
     Operation(
         method="POST", path="/api/watches", what="Watch the fleet of a plan live, simulated unless a link is named.",
         status=201, body=_START_WATCH, gives=ref("Watch"), refuses=(404, 415, 422),

@@ -19,7 +19,7 @@ def or_null(schema: Schema) -> Schema:
     return {"oneOf": [schema, {"type": "null"}]}
 
 
-def listed(schema: Schema) -> Schema:
+def list_of(schema: Schema) -> Schema:
     """A list of values."""
     return {"type": "array", "items": schema}
 
@@ -39,19 +39,19 @@ def an_object(required: dict[str, Schema], optional: dict[str, Schema] | None = 
     }
 
 
-FAULT = an_object({"field": TEXT, "path": listed({"type": ["string", "integer"]}), "message": TEXT})
+FAULT = an_object({"field": TEXT, "path": list_of({"type": ["string", "integer"]}), "message": TEXT})
 ATTACHMENT = an_object({"name": TEXT, "size": COUNT})
-_SHAPE = {**listed(listed(listed(listed(NUMBER)))), "description": "polygons, each its rings, the outer one first"}
+_SHAPE = {**list_of(list_of(list_of(list_of(NUMBER)))), "description": "polygons, each its rings, the outer one first"}
 _ORIGIN = or_null(an_object({"lat": NUMBER, "lon": NUMBER}))
-_SETTINGS = listed(an_object({"name": TEXT, "what": TEXT, "default": {}}))
+_SETTINGS = list_of(an_object({"name": TEXT, "what": TEXT, "default": {}}))
 
 VALUES: dict[str, Schema] = {
-    "Error": an_object({"error": an_object({"message": TEXT, "faults": listed(FAULT)})}),
+    "Error": an_object({"error": an_object({"message": TEXT, "faults": list_of(FAULT)})}),
     "About": an_object(
         {
             "version": TEXT,
-            "planners": listed(an_object({"name": TEXT, "efforts": or_null(listed(TEXT))})),
-            "formats": listed(
+            "planners": list_of(an_object({"name": TEXT, "efforts": or_null(list_of(TEXT))})),
+            "formats": list_of(
                 an_object(
                     {
                         "name": TEXT,
@@ -65,7 +65,7 @@ VALUES: dict[str, Schema] = {
                     }
                 )
             ),
-            "links": listed(an_object({"name": TEXT, "what": TEXT, "settings": _SETTINGS})),
+            "links": list_of(an_object({"name": TEXT, "what": TEXT, "settings": _SETTINGS})),
             "limits": {"type": "object", "additionalProperties": NUMBER},
             "tile_url": or_null(TEXT),
             "tile_attribution": TEXT,
@@ -73,11 +73,11 @@ VALUES: dict[str, Schema] = {
     ),
     "Example": an_object({"name": TEXT, "title": TEXT}),
     "ReadMission": an_object(
-        {"document": ANYTHING, "attachments": listed(ATTACHMENT), "warnings": listed(TEXT)},
+        {"document": ANYTHING, "attachments": list_of(ATTACHMENT), "warnings": list_of(TEXT)},
         {
             "upload": TEXT,
             "features": {
-                **listed(an_object({"name": TEXT, "file": TEXT, "m2": NUMBER, "shape": _SHAPE})),
+                **list_of(an_object({"name": TEXT, "file": TEXT, "m2": NUMBER, "shape": _SHAPE})),
                 "description": "of GeoJSON, all of which is the area: ask again with what each is",
             },
         },
@@ -93,7 +93,7 @@ VALUES: dict[str, Schema] = {
                 **ANYTHING,
                 "description": "a mission file as JSON, perhaps with faults",
             },
-            "attachments": listed(ATTACHMENT),
+            "attachments": list_of(ATTACHMENT),
             "created_at": MOMENT,
             "changed_at": MOMENT,
         }
@@ -101,13 +101,13 @@ VALUES: dict[str, Schema] = {
     "Ground": an_object(
         {
             "area": _SHAPE,
-            "obstacles": listed(
+            "obstacles": list_of(
                 an_object(
                     {"shape": _SHAPE, "blocks": {"enum": ["both", "motion", "sight"]}},
                     {"asks": {"enum": ["all", "nothing"], "description": "absent: all"}},
                 )
             ),
-            "zones": listed(
+            "zones": list_of(
                 an_object(
                     {
                         "name": TEXT,
@@ -122,8 +122,8 @@ VALUES: dict[str, Schema] = {
     ),
     "Validation": an_object(
         {
-            "faults": listed(FAULT),
-            "warnings": listed(FAULT),
+            "faults": list_of(FAULT),
+            "warnings": list_of(FAULT),
             "ground": or_null(ref("Ground")),
             "bound": or_null(an_object({"robots": COUNT, "reason": TEXT})),
             "compiling": {**TRUTH, "description": "no bound yet: the loops that prove it are being compiled"},
@@ -180,9 +180,9 @@ VALUES: dict[str, Schema] = {
             "length_m": NUMBER,
             "plan_s": or_null(NUMBER),
             "partial": {**TRUTH, "description": "its demand is not met, or its search was cut short"},
-            "facts": listed(TEXT),
+            "facts": list_of(TEXT),
             "revision": {**or_null(COUNT), "description": "of the mission that it was made of"},
-            "stale": {**listed(TEXT), "description": "what has changed in its mission since; empty: it still holds"},
+            "stale": {**list_of(TEXT), "description": "what has changed in its mission since; empty: it still holds"},
             "report": ref("Report"),
         },
         "required": ["id", "name", "planner", "robots", "verdict", "length_m", "partial"],

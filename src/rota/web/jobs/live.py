@@ -49,7 +49,7 @@ class LiveJob:
         self.doing = doing
         self.tell()
 
-    def found(self, better: Json) -> None:
+    def note_better(self, better: Json) -> None:
         """A better plan."""
         self.best = {key: better[key] for key in ("robots", "met", "plan")}
         for listener in self.listeners:
@@ -66,7 +66,7 @@ class LiveJob:
         for listener in self.listeners:
             listener.changed.set()
 
-    def shown(self, kept: Json, place_in_queue: int | None) -> Json:
+    def show(self, kept: Json, place_in_queue: int | None) -> Json:
         """The job as it is kept, with what is known here."""
         doing = "stopping" if self.stopping else self.doing
         elapsed_s = self.elapsed_s

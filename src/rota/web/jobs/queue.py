@@ -139,7 +139,7 @@ class JobQueue:
         if live is None:
             return kept
         place = self._waiting.index(kept["id"]) + 1 if kept["id"] in self._waiting else None
-        return live.shown(kept, place)
+        return live.show(kept, place)
 
     def live(self, job: str) -> LiveJob | None:
         """A job that waits or runs; None for one that is over."""

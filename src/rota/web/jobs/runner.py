@@ -47,13 +47,13 @@ class JobRunner:
         try:
             if live.stopping:
                 await worker.send({"stop": True})
-            ended = await self._followed(live, worker)
+            ended = await self._follow(live, worker)
         finally:
             del self._workers[live.job]
             await asyncio.shield(worker.kill())
         await asyncio.to_thread(self._keep_end, live, ended)
 
-    async def _followed(self, live: LiveJob, worker: WorkerProcess) -> Json:
+    async def _follow(self, live: LiveJob, worker: WorkerProcess) -> Json:
         """What the process tells until it ends, by itself, by the time limit, or because it did not heed a stop."""
         guard = asyncio.create_task(self._guard(live, worker))
         try:
@@ -63,7 +63,7 @@ class JobRunner:
                 if told["event"] == "progress":
                     live.progress(told["fraction"], told["doing"])
                 elif told["event"] == "better":
-                    live.found({key: told[key] for key in ("plan", "robots", "met")})
+                    live.note_better({key: told[key] for key in ("plan", "robots", "met")})
                     await asyncio.to_thread(self._keep_best, live)
                 else:
                     return told

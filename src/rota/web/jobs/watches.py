@@ -33,7 +33,7 @@ class LiveWatch:
         """Whether nothing comes any more."""
         return self.state in ("ended", "failed")
 
-    def shown(self) -> Json:
+    def show(self) -> Json:
         """The watch as the interface shows it."""
         return {key: getattr(self, key) for key in ("id", "plan", "link", "state", "began_at", "message")}
 
@@ -118,7 +118,7 @@ class WatchDesk:
 
     def show_all(self) -> list[Json]:
         """All watches, the newest first."""
-        return [watch.shown() for watch in reversed(self._watches.values())]
+        return [watch.show() for watch in reversed(self._watches.values())]
 
     async def close(self) -> None:
         """End all of them."""

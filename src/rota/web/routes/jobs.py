@@ -74,7 +74,7 @@ def _time_limit_s(given: object, most_s: float) -> float | None:
     return min(float(given), most_s)
 
 
-async def listed(request: Request) -> Response:
+async def list_jobs(request: Request) -> Response:
     """All jobs."""
     return JsonAnswer(await state_of(request).jobs.show_all())
 
@@ -105,7 +105,7 @@ async def events(request: Request) -> Response:
     """A job's changes as server-sent events."""
     jobs, job = state_of(request).jobs, request.path_params["id"]
     await jobs.show(job)  # refuses one that there is not
-    return event_stream(_told(jobs, job))
+    return event_stream(_tell(jobs, job))
 
 
 def event_stream(events: AsyncIterator[str]) -> Response:
@@ -115,7 +115,7 @@ def event_stream(events: AsyncIterator[str]) -> Response:
     )
 
 
-async def _told(jobs: JobQueue, job: str) -> AsyncIterator[str]:
+async def _tell(jobs: JobQueue, job: str) -> AsyncIterator[str]:
     """The job now, at each change, and when it is over; before it, each better plan."""
     live, listener = jobs.live(job), Listener()
     if live is not None:
@@ -159,7 +159,7 @@ def event(name: str, data: Json) -> str:
 
 routes = [
     Route("/api/jobs", create, methods=["POST"]),
-    Route("/api/jobs", listed, methods=["GET"]),
+    Route("/api/jobs", list_jobs, methods=["GET"]),
     Route("/api/jobs/{id}", show, methods=["GET"]),
     Route("/api/jobs/{id}", delete, methods=["DELETE"]),
     Route("/api/jobs/{id}/events", events, methods=["GET"]),

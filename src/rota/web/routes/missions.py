@@ -46,7 +46,7 @@ async def read(request: Request) -> Response:
     return JsonAnswer(body)
 
 
-async def listed(request: Request) -> Response:
+async def list_all(request: Request) -> Response:
     """All missions."""
     return JsonAnswer(await run_in_threadpool(list_missions, state_of(request).database))
 
@@ -136,7 +136,7 @@ routes = [
     Route("/api/examples", examples, methods=["GET"]),
     Route("/api/examples/{name}", example, methods=["GET"]),
     Route("/api/missions/read", read, methods=["POST"]),
-    Route("/api/missions", listed, methods=["GET"]),
+    Route("/api/missions", list_all, methods=["GET"]),
     Route("/api/missions", create, methods=["POST"]),
     Route("/api/missions/{id}", show, methods=["GET"]),
     Route("/api/missions/{id}", change, methods=["PUT"]),

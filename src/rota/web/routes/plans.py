@@ -20,17 +20,17 @@ from rota.web.store.plans import (
     delete_plan,
     keep_made,
     list_plans,
-    made_of,
     packed_plan,
     plan_json,
     plan_report,
+    what_is_kept,
 )
 
 MOST_CELLS = 200_000
 CELLS = 20_000
 
 
-async def listed(request: Request) -> Response:
+async def list_all(request: Request) -> Response:
     """All plans."""
     return JsonAnswer(await run_in_threadpool(list_plans, state_of(request).database))
 
@@ -64,7 +64,7 @@ async def delete(request: Request) -> Response:
 async def playback(request: Request) -> Response:
     """What the page plays; made once and kept."""
     cells = asked_number(request, "cells", 100, MOST_CELLS) or CELLS
-    body = await _made(request, f"playback {cells}", "playback", cells=cells)
+    body = await _make(request, f"playback {cells}", "playback", cells=cells)
     headers = {"vary": "accept-encoding"}
     if "gzip" in request.headers.get("accept-encoding", ""):
         headers["content-encoding"] = "gzip"
@@ -86,12 +86,12 @@ async def plan_file(request: Request) -> Response:
 
 async def picture(request: Request) -> Response:
     """The plan as a picture."""
-    return download(await _made(request, "picture", "picture"), await _file_name(request, ".png"), "image/png")
+    return download(await _make(request, "picture", "picture"), await _file_name(request, ".png"), "image/png")
 
 
 async def page(request: Request) -> Response:
     """The plan as one page that plays it."""
-    return download(await _made(request, "page", "page"), await _file_name(request, ".html"), "text/html")
+    return download(await _make(request, "page", "page"), await _file_name(request, ".html"), "text/html")
 
 
 async def export(request: Request) -> Response:
@@ -119,11 +119,11 @@ def _mark(shown: Json) -> str:
     return "-stale" if shown["stale"] else ""
 
 
-async def _made(request: Request, key: str, task: str, **given: Any) -> bytes:
+async def _make(request: Request, key: str, task: str, **given: Any) -> bytes:
     """What a worker makes of the plan, or made before."""
     state, plan = state_of(request), request.path_params["id"]
     await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
-    known = await run_in_threadpool(made_of, state.database, plan, key)
+    known = await run_in_threadpool(what_is_kept, state.database, plan, key)
     if known is not None:
         return known
     _, body = await state.pool.ask(task, plan=plan, **given)
@@ -132,7 +132,7 @@ async def _made(request: Request, key: str, task: str, **given: Any) -> bytes:
 
 
 routes = [
-    Route("/api/plans", listed, methods=["GET"]),
+    Route("/api/plans", list_all, methods=["GET"]),
     Route("/api/plans", add, methods=["POST"]),
     Route("/api/plans/{id}", show, methods=["GET"]),
     Route("/api/plans/{id}", delete, methods=["DELETE"]),

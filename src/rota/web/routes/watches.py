@@ -21,7 +21,7 @@ from rota.web.store.plans import plan_json
 MOST_SETTINGS = 50
 
 
-async def listed(request: Request) -> Response:
+async def list_watches(request: Request) -> Response:
     """All live fleets."""
     return JsonAnswer(state_of(request).watches.show_all())
 
@@ -44,7 +44,7 @@ async def create(request: Request) -> Response:
         "cells": _cells(asked.get("cells")),
     }
     watch = state.watches.start({**told, "origin": text_or_none(asked, "origin")})
-    return JsonAnswer(watch.shown(), 201, headers={"location": f"/api/watches/{watch.id}"})
+    return JsonAnswer(watch.show(), 201, headers={"location": f"/api/watches/{watch.id}"})
 
 
 def _settings(given: object) -> list[str]:
@@ -67,21 +67,21 @@ def _cells(given: object) -> int:
 
 async def show(request: Request) -> Response:
     """One live fleet."""
-    return JsonAnswer(state_of(request).watches.find(request.path_params["id"]).shown())
+    return JsonAnswer(state_of(request).watches.find(request.path_params["id"]).show())
 
 
 async def stop(request: Request) -> Response:
     """End a watch."""
     watch = await state_of(request).watches.stop(request.path_params["id"])
-    return JsonAnswer(watch.shown())
+    return JsonAnswer(watch.show())
 
 
 async def events(request: Request) -> Response:
     """What a watch tells, as server-sent events."""
-    return event_stream(_told(state_of(request).watches.find(request.path_params["id"])))
+    return event_stream(_tell(state_of(request).watches.find(request.path_params["id"])))
 
 
-async def _told(watch: LiveWatch) -> AsyncIterator[str]:
+async def _tell(watch: LiveWatch) -> AsyncIterator[str]:
     """Notices, the state whenever there is a new one, and the end."""
     listener, last, number = Listener(), None, 0
     watch.listeners.add(listener)
@@ -95,7 +95,7 @@ async def _told(watch: LiveWatch) -> AsyncIterator[str]:
                 last = watch.last
                 yield f"event: state\ndata: {last.decode()}\n\n"
             if over:
-                ended: Json = watch.shown()
+                ended: Json = watch.show()
                 yield event("ended", ended)
                 return
             if sign := await until_changed(listener):
@@ -105,7 +105,7 @@ async def _told(watch: LiveWatch) -> AsyncIterator[str]:
 
 
 routes = [
-    Route("/api/watches", listed, methods=["GET"]),
+    Route("/api/watches", list_watches, methods=["GET"]),
     Route("/api/watches", create, methods=["POST"]),
     Route("/api/watches/{id}", show, methods=["GET"]),
     Route("/api/watches/{id}/events", events, methods=["GET"]),

@@ -21,13 +21,13 @@ def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, 
     429 when the queue is full, 409 when the mission has another revision.
     """
     document, files, revision = mission_source(database, mission, asked.get("revision"))
-    document = as_asked(document, asked.get("planner"))
+    document = document_for_planner(document, asked.get("planner"))
     planner = planner_of(document)
     asked = {**asked, "planner": planner, "revision": revision}
     return _insert(database, mission, document, json.dumps(files), asked, most_queued, most)
 
 
-def as_asked(document: Json, planner: str | None) -> Json:
+def document_for_planner(document: Json, planner: str | None) -> Json:
     """The document for the planner that is asked for, without the settings of others; None: the mission's own."""
     if planner is None or planner == planner_of(document):
         return document
@@ -75,18 +75,18 @@ def job_source(database: Database, job: str) -> tuple[Json, dict[str, bytes], Js
     """What a worker plans: the document, the files that it names, and the job."""
     connection = database.connection()
     row = _row(connection, job)
-    return json.loads(row["document"]), contents_of(connection, json.loads(row["files"])), _shown(row)
+    return json.loads(row["document"]), contents_of(connection, json.loads(row["files"])), _show(row)
 
 
 def job_json(database: Database, job: str) -> Json:
     """A job as the interface shows it, without what is known of it only while it runs."""
-    return _shown(_row(database.connection(), job))
+    return _show(_row(database.connection(), job))
 
 
 def list_jobs(database: Database) -> list[Json]:
     """All jobs, the newest first."""
     rows = database.connection().execute("SELECT * FROM jobs ORDER BY rowid DESC")
-    return [_shown(row) for row in rows]
+    return [_show(row) for row in rows]
 
 
 def queued_jobs(database: Database) -> list[tuple[str, float | None]]:
@@ -130,7 +130,7 @@ def _row(connection: sqlite3.Connection, job: str) -> sqlite3.Row:
     return row
 
 
-def _shown(row: sqlite3.Row) -> Json:
+def _show(row: sqlite3.Row) -> Json:
     """A row of the table of jobs as the page is told of it."""
     best = None
     if row["best_robots"] is not None:

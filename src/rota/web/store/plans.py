@@ -112,7 +112,7 @@ def forget_lost_steps(database: Database) -> None:
 def list_plans(database: Database) -> list[Json]:
     """All plans but those on the way of jobs, the newest first."""
     sql = f"{_LISTED} WHERE NOT is_better ORDER BY plans.created_at DESC, plans.rowid DESC"
-    return [_shown(row) for row in database.connection().execute(sql)]
+    return [_show(row) for row in database.connection().execute(sql)]
 
 
 def plan_json(database: Database, plan: str) -> Json:
@@ -120,7 +120,7 @@ def plan_json(database: Database, plan: str) -> Json:
     row = database.connection().execute(f"{_LISTED} WHERE plans.id = ?", (plan,)).fetchone()
     if row is None:
         raise not_found("plan", plan)
-    return _shown(row)
+    return _show(row)
 
 
 def plan_report(database: Database, plan: str) -> bytes:
@@ -148,7 +148,7 @@ def delete_plan(database: Database, plan: str) -> None:
         cursor.execute("UPDATE jobs SET best_plan = NULL WHERE best_plan = ?", (plan,))
 
 
-def made_of(database: Database, plan: str, what: str) -> bytes | None:
+def what_is_kept(database: Database, plan: str, what: str) -> bytes | None:
     """What was made of a plan before, such as its playback; None when it was not."""
     sql = "SELECT content FROM made WHERE plan = ? AND what = ?"
     row = database.connection().execute(sql, (plan, what)).fetchone()
@@ -177,7 +177,7 @@ def _row(database: Database, plan: str, columns: str) -> sqlite3.Row:
     return row
 
 
-def _shown(row: sqlite3.Row) -> Json:
+def _show(row: sqlite3.Row) -> Json:
     values: dict[str, Any] = {name: row[name] for name in _SHOWN}
     return {**values, "partial": bool(row["partial"]), "facts": json.loads(row["facts"]), "stale": _stale(row)}
 

@@ -29,7 +29,7 @@ class Context:
 
 
 @contextmanager
-def laid_out(files: Mapping[str, bytes]) -> Iterator[Path]:
+def lay_out(files: Mapping[str, bytes]) -> Iterator[Path]:
     """A fresh folder with these files, gone after the block."""
     with tempfile.TemporaryDirectory(prefix="rota-", ignore_cleanup_errors=True) as folder:
         for name, content in files.items():
@@ -44,9 +44,9 @@ def as_document(value: Any) -> Document:
 
 def fault_json(place: Place, message: str) -> Json:
     """A fault as the interface tells it: the field in words, its path, and what is wrong with it."""
-    return {"field": field_path(place), "path": list(place), "message": as_given(message)}
+    return {"field": field_path(place), "path": list(place), "message": with_given_names(message)}
 
 
-def as_given(message: str) -> str:
+def with_given_names(message: str) -> str:
     """A message with the names of files as they were given, without the folders in which they were laid out."""
     return _LAID_OUT.sub("", message)

@@ -30,12 +30,12 @@ def hopeless(mission: Mission, least_robots: int) -> Iterator[Json]:
     """
     fleet = mission.fleet
     if isinstance(fleet.start, StartPoints) and fleet.robots is None and len(fleet.start.points_m) < least_robots:
-        given = _counted(len(fleet.start.points_m), "start is", "starts are")
+        given = _count_in_words(len(fleet.start.points_m), "start is", "starts are")
         yield fault_json(START, f"{given} given, and at least {least_robots} robots are needed, each with its own")
     if isinstance(fleet.start, StartBox):
         robots = max(least_robots, sum(robot.start is None for robot in fleet.robots or ()))
         if (room := _most_in(fleet.start, min(robot.body_radius_m for robot in _robots(mission)))) < robots:
-            room_for = _counted(max(room, 0), "robot", "robots")
+            room_for = _count_in_words(max(room, 0), "robot", "robots")
             message = f"there is room for at most {room_for}, and at least {robots} start there: make it larger"
             yield fault_json((*START, "box"), message)
 
@@ -65,7 +65,7 @@ def doubtful(mission: Mission, least_robots: int) -> Iterator[Json]:
         yield from _too_wide_turns(mission)
     fleet = mission.fleet
     if fleet.robots is not None and len(fleet.robots) < least_robots:
-        have = _counted(len(fleet.robots), "robot", "robots")
+        have = _count_in_words(len(fleet.robots), "robot", "robots")
         told = (
             f"{have} cannot meet the periods, which take at least {least_robots}: the plan will be the least late one"
         )
@@ -118,5 +118,5 @@ def _inner_radius_m(polygon: Polygon) -> float:
     return float(shapely.length(shapely.maximum_inscribed_circle(filled, tolerance=exact_m))) + float(exact_m)
 
 
-def _counted(number: float, one: str, more: str) -> str:
+def _count_in_words(number: float, one: str, more: str) -> str:
     return f"{number:g} {one if number == 1 else more}"

@@ -16,7 +16,7 @@ from rota.files.geojson_shapes import Feature, read_features
 from rota.files.mission_json import polygons_to_json
 from rota.model.polygons import polygons_of
 from rota.web.refusal import Json, Refusal
-from rota.web.tasks.context import laid_out
+from rota.web.tasks.context import lay_out
 
 ROLES = {"a": "area", "o": "obstacle", "z": "zone", "-": "left out"}
 GUESSED = "the fleet and the period are guesses: set them before you plan"
@@ -39,7 +39,7 @@ def features_of(contents: dict[str, bytes], names: list[str]) -> Features:
     features: list[Feature] = []
     warnings: list[str] = []
     taken: set[str] = set()
-    with laid_out({name: contents[name] for name in names}) as folder:
+    with lay_out({name: contents[name] for name in names}) as folder:
         for name in sorted(names):
             read = read_features(folder / name)
             if read.without_polygons:
@@ -60,7 +60,7 @@ def _free(name: str, taken: set[str]) -> str:
     return free
 
 
-def listed(found: Features) -> list[Json]:
+def list_features(found: Features) -> list[Json]:
     """Name, file, size and outline of each feature, for somebody who chooses."""
     x0, y0, x1, y1 = shapely.total_bounds([feature.shape for feature in found.features])
     coarse = max(x1 - x0, y1 - y0) / SHOWN
@@ -100,7 +100,7 @@ def mission_of(found: Features, roles: str | None) -> tuple[Json, dict[str, byte
     if by_role["zone"]:
         files["zones.geojson"] = by_role["zone"]
         document["zones"] = [
-            {"geojson": "zones.geojson", "feature": feature.name, "name": feature.name, **_asked(feature)}
+            {"geojson": "zones.geojson", "feature": feature.name, "name": feature.name, **_demand_of(feature)}
             for feature in by_role["zone"]
         ]
     side_m = math.sqrt(sum(map(_area_m2, by_role["area"])))
@@ -110,7 +110,7 @@ def mission_of(found: Features, roles: str | None) -> tuple[Json, dict[str, byte
     return document, {name: _file_of(features) for name, features in files.items()}
 
 
-def _asked(feature: Feature) -> Json:
+def _demand_of(feature: Feature) -> Json:
     """What a zone asks: what its feature says, otherwise half of the area's period."""
     period = feature.properties.get("period_s", PERIOD_S / 2)
     demand = feature.properties.get("demand")

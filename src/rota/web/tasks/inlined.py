@@ -17,7 +17,7 @@ from rota.files.geojson_shapes import Feature, pick_feature, read_features
 from rota.files.mission_json import polygons_to_json
 from rota.model.polygons import polygons_of
 from rota.web.refusal import Json
-from rota.web.tasks.context import Context, laid_out
+from rota.web.tasks.context import Context, lay_out
 from rota.web.tasks.sources import Source
 
 MOST_VERTICES = 5_000  # of one entry; with more a shape is shown and not edited
@@ -31,11 +31,11 @@ class Inlined(NamedTuple):
     warnings: list[str]
 
 
-def inlined(context: Context, source: Source) -> Inlined:
+def inline(context: Context, source: Source) -> Inlined:
     """The document of a source with the shapes of its GeoJSON files in it, as far as they fit."""
     document = dict(source.document)
     if document.get("coordinates") == "wgs84":
-        with laid_out({name: content for name, content in source.files.items() if _may_be_named(name)}) as folder:
+        with lay_out({name: content for name, content in source.files.items() if _may_be_named(name)}) as folder:
             document = _with_shapes(document, folder)
     return Inlined(document, _still_named(document, source.files), source.warnings)
 
@@ -50,7 +50,7 @@ def _with_shapes(document: Json, folder: Path) -> Json:
     if isinstance(area, dict) and (features := _features(area, folder)):
         shape = polygons_of(unary_union([feature.shape for feature in features]))
         if _fits([shape]) and len(shape.geoms) == 1:
-            document["area"] = _written(shape.geoms[0])
+            document["area"] = _shape_in_file(shape.geoms[0])
     for key, entries in (("obstacles", _obstacles), ("zones", _zones)):
         listed = document.get(key)
         if isinstance(listed, list):
@@ -82,7 +82,7 @@ def _obstacles(entry: Any, folder: Path) -> Iterator[Any]:
     for feature in features:
         name = {} if feature.name is None else {"name": feature.name}
         for polygon in feature.shape.geoms:
-            yield {**_written(polygon), **name, **more}
+            yield {**_shape_in_file(polygon), **name, **more}
 
 
 def _zones(entry: Any, folder: Path) -> Iterator[Any]:
@@ -98,14 +98,14 @@ def _zones(entry: Any, folder: Path) -> Iterator[Any]:
         for key in ("period_s", "demand", "importance"):
             if key in feature.properties or key in entry:
                 zone[key] = feature.properties.get(key, entry.get(key))
-        yield {**zone, **_written(feature.shape.geoms[0])}
+        yield {**zone, **_shape_in_file(feature.shape.geoms[0])}
 
 
 def _fits(shapes: list[shapely.MultiPolygon]) -> bool:
     return sum(int(shapely.get_num_coordinates(shape)) for shape in shapes) <= MOST_VERTICES
 
 
-def _written(polygon: Polygon) -> Json:
+def _shape_in_file(polygon: Polygon) -> Json:
     """A polygon as missions write it."""
     ((outer, *holes),) = polygons_to_json(shapely.MultiPolygon([polygon]))
     return {"outer": outer, "holes": holes} if holes else {"ring": outer}

@@ -12,7 +12,7 @@ from rota.planning.make_plan import PlanSearch, search_plan
 from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import job_source
 from rota.web.store.plans import NewPlan, finish_plan, forget_old_steps, forget_steps, keep_plan
-from rota.web.tasks.context import Context, laid_out
+from rota.web.tasks.context import Context, lay_out
 from rota.web.tasks.validate import faults_json, judged_document
 
 if TYPE_CHECKING:
@@ -56,13 +56,13 @@ class PlanningJob:
             return self._no_plan(failure)
         except RotaError as error:
             return self._outcome("failed", str(error))
-        return self._found(search)
+        return self._tell_found(search)
 
     def _mission(self) -> tuple[Mission, Json]:
         """The mission that the job asks for, with its effort."""
         document, files, asked = job_source(self._context.database, self._job)
         self._source = asked
-        with laid_out(files) as folder:
+        with lay_out(files) as folder:
             judged = judged_document(document, folder, self._context.vertices)
         if judged.mission is None:
             raise Refusal(422, "the mission has faults", faults_json(judged))
@@ -89,7 +89,7 @@ class PlanningJob:
         kept = {"mission": source["mission"], "job": self._job, "effort": source["effort"]}
         return keep_plan(self._context.database, NewPlan(**{**vars(new), **kept}), most=self._context.plans)
 
-    def _found(self, search: PlanSearch) -> Json:
+    def _tell_found(self, search: PlanSearch) -> Json:
         """The plan that the check passed."""
         stopped = self._stop.is_set()
         cut_short = stopped or search.stopped_early

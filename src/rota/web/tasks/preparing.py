@@ -7,7 +7,7 @@ import shapely
 from rota.compiled.compiled_cache import is_compiled
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, PlannerSettings, Zone
 from rota.model.planner_registry import DEFAULT
-from rota.planning.first_run import compiled_by_two
+from rota.planning.first_run import compile_by_two
 from rota.planning.make_plan import search_plan
 from rota.planning.planner import planner_named, planner_of
 from rota.web.refusal import Json
@@ -17,7 +17,7 @@ from rota.web.tasks.context import Context
 def load_planning() -> None:
     """Plan a yard, so that what planning and checking run is loaded, and compiled where it was not yet."""
     mission = _yard()
-    with compiled_by_two(planner_of(mission)):
+    with compile_by_two(planner_of(mission)):
         search_plan(mission)
 
 

@@ -11,7 +11,7 @@ from rota.web.refusal import Json, Refusal
 from rota.web.store.missions import keep_upload, mission_files, mission_json, new_mission, same_mission, upload_contents
 from rota.web.tasks.context import Context
 from rota.web.tasks.examples import examples_folder
-from rota.web.tasks.inlined import Inlined, inlined
+from rota.web.tasks.inlined import Inlined, inline
 from rota.web.tasks.sources import source_of
 
 
@@ -19,10 +19,10 @@ def read_upload(context: Context, given: Json, body: bytes) -> tuple[Json, bytes
     """What POST /api/missions/read answers; ``upload`` names the files."""
     contents = upload_contents(context.database, given["upload"])
     source = source_of(contents, roles=given["roles"])
-    read = inlined(context, source)
+    read = inline(context, source)
     choices = {"features": source.features} if source.features else {}
     # what the mission needs of the files, with paths in them that lead to each other
-    return {}, _encoded({**_shown(read), **choices, "upload": keep_upload(context.database, read.files)})
+    return {}, _encode({**_show(read), **choices, "upload": keep_upload(context.database, read.files)})
 
 
 def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
@@ -34,20 +34,20 @@ def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, byte
         named |= {path.name: path.read_bytes() for path in folder.iterdir() if path.name.encode() in named[name]}
     source = source_of({**named, f"{given['name']}.yaml": text}, first=f"{given['name']}.yaml")
     if given.get("keep"):
-        kept = inlined(context, source)
+        kept = inline(context, source)
         known = same_mission(context.database, kept.document, kept.files)  # as it was opened before
         if known is None:
             made = new_mission(context.database, kept.document, contents=kept.files, most=context.missions)
         return {"mission": known or made["id"]}, b""
-    return {}, _encoded(_shown(inlined(context, source)))
+    return {}, _encode(_show(inline(context, source)))
 
 
-def _shown(read: Inlined) -> Json:
+def _show(read: Inlined) -> Json:
     attachments = [{"name": name, "size": len(content)} for name, content in read.files.items()]
     return {"document": read.document, "attachments": attachments, "warnings": read.warnings}
 
 
-def _encoded(value: Any) -> bytes:
+def _encode(value: Any) -> bytes:
     try:
         return json.dumps(value, allow_nan=False).encode()
     except ValueError:

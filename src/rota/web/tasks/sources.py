@@ -10,8 +10,8 @@ from typing import Any
 from rota.files.occupancy_map import free_place
 from rota.files.yaml_text import parse_text
 from rota.web.refusal import Json, Refusal
-from rota.web.tasks.context import laid_out
-from rota.web.tasks.features import GUESSED, features_of, listed, mission_of
+from rota.web.tasks.context import lay_out
+from rota.web.tasks.features import GUESSED, features_of, list_features, mission_of
 
 _GEOJSON = ("FeatureCollection", "Feature", "Polygon", "MultiPolygon", "GeometryCollection")
 _PICTURES = (".png", ".pgm", ".bmp", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
@@ -37,8 +37,8 @@ def source_of(contents: dict[str, bytes], *, first: str | None = None, roles: st
     first: the file that is the mission, where that is known. roles: of the features of GeoJSON files (``features``).
     """
     if first is not None:
-        return _mission(first, _parsed(first, contents[first]), contents)
-    values = {name: _parsed(name, content) for name, content in contents.items() if _is_text(name)}
+        return _mission(first, _parse(first, contents[first]), contents)
+    values = {name: _parse(name, content) for name, content in contents.items() if _is_text(name)}
     kinds = {name: _kind(value) for name, value in values.items()}
     named = {kind: [name for name in kinds if kinds[name] == kind] for kind in ("mission", "map", "geojson", "plan")}
     if len(named["mission"]) > 1:
@@ -63,7 +63,7 @@ def _is_text(name: str) -> bool:
     return name.lower().endswith((".yaml", ".yml", ".json", ".geojson"))
 
 
-def _parsed(name: str, content: bytes) -> Any:
+def _parse(name: str, content: bytes) -> Any:
     """A file's values; MissionError with line and column for one that is broken."""
     try:
         text = content.decode("utf-8-sig")
@@ -95,7 +95,7 @@ def _mission(name: str, value: Any, contents: dict[str, bytes]) -> Source:
     if not isinstance(value, dict):
         raise Refusal(422, f"{name}: holds no mission; keys and values are needed")
     others = {other: content for other, content in contents.items() if other != name}
-    blocks = [value.get("area"), value.get("importance"), *_listed(value, "obstacles"), *_listed(value, "zones")]
+    blocks = [value.get("area"), value.get("importance"), *_list_at(value, "obstacles"), *_list_at(value, "zones")]
     for block in blocks:
         for key in ("geojson", "map"):
             if isinstance(block, dict) and isinstance(block.get(key), str):
@@ -105,10 +105,10 @@ def _mission(name: str, value: Any, contents: dict[str, bytes]) -> Source:
     text = str(blocks)
     used = {other for other in files if repr(other) in text}
     used |= {other for other in files for sheet in used if other.encode() in files[sheet]}
-    return Source(document=value, files=files, warnings=_unused(contents, {name, *used}))
+    return Source(document=value, files=files, warnings=_warnings_of_unused(contents, {name, *used}))
 
 
-def _listed(value: Json, key: str) -> list[Any]:
+def _list_at(value: Json, key: str) -> list[Any]:
     found = value.get(key)
     return found if isinstance(found, list) else []
 
@@ -127,7 +127,7 @@ def _with_image(content: bytes, others: dict[str, bytes]) -> bytes:
 def _of_map(name: str, contents: dict[str, bytes]) -> Source:
     """A mission in the largest free part of a ROS map."""
     files = {other: _with_image(content, contents) for other, content in contents.items()}
-    with laid_out(files) as folder:
+    with lay_out(files) as folder:
         x, y = free_place(folder / name, confine_to=folder)
     document = {
         "rota": 1,
@@ -143,19 +143,19 @@ def _of_map(name: str, contents: dict[str, bytes]) -> Source:
         "planner": "patrol",
     }
     used = {name, *(other for other in files if other.encode() in files[name])}
-    return Source(document=document, files=files, warnings=[GUESSED, *_unused(contents, used)])
+    return Source(document=document, files=files, warnings=[GUESSED, *_warnings_of_unused(contents, used)])
 
 
 def _of_geojson(names: list[str], contents: dict[str, bytes], roles: str | None) -> Source:
     """A mission of the features of GeoJSON files."""
     found = features_of(contents, names)
     document, files = mission_of(found, roles)
-    unused = _unused(contents, {*names})
-    choices = listed(found) if roles is None and len(found.features) > 1 else []
+    unused = _warnings_of_unused(contents, {*names})
+    choices = list_features(found) if roles is None and len(found.features) > 1 else []
     return Source(document=document, files=files, warnings=[GUESSED, *found.warnings, *unused], features=choices)
 
 
-def _unused(contents: dict[str, bytes], used: set[str]) -> list[str]:
+def _warnings_of_unused(contents: dict[str, bytes], used: set[str]) -> list[str]:
     """A warning of each file that nothing is made of."""
     return [f"{name} is not used: the mission does not name it" for name in sorted(set(contents) - used)]
 

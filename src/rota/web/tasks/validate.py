@@ -17,9 +17,9 @@ from rota.model.polygons import polygons_of
 from rota.planning.planner import planner_of
 from rota.web.documents import document_from, require_few_vertices
 from rota.web.refusal import Json, Refusal
-from rota.web.store.jobs import as_asked
+from rota.web.store.jobs import document_for_planner
 from rota.web.store.missions import mission_files, mission_source, upload_contents
-from rota.web.tasks.context import Context, as_document, fault_json, laid_out
+from rota.web.tasks.context import Context, as_document, fault_json, lay_out
 from rota.web.tasks.feasibility import doubtful, hopeless
 from rota.web.tasks.preparing import is_ready
 
@@ -31,7 +31,7 @@ def validate(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     if not isinstance(document, dict):
         raise Refusal(400, "document: is missing; a mission as JSON is needed")
     require_few_vertices(document, context.vertices)
-    with laid_out(attachments(context, asked)) as folder:
+    with lay_out(attachments(context, asked)) as folder:
         judged = judged_document(document, folder, context.vertices)
     return {}, json.dumps(_answer(judged), allow_nan=False).encode()
 
@@ -39,14 +39,14 @@ def validate(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
 def require_plannable(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     """Refuse a job for a mission with faults, all told at once; the message says what was asked."""
     document, *_ = mission_source(context.database, given["mission"])
-    document = as_asked(document, given["planner"])
-    with laid_out(mission_files(context.database, given["mission"])) as folder:
+    document = document_for_planner(document, given["planner"])
+    with lay_out(mission_files(context.database, given["mission"])) as folder:
         judged = judged_document(document, folder, context.vertices)
     if judged.mission is None:
         raise Refusal(422, "the mission has faults", faults_json(judged))
     faults: list[Json] = []
     # to prove a bound takes seconds on large ground, and only starts are held against it
-    bound = _bound(judged.mission, faults) if judged.mission.fleet.start and is_ready(judged.mission) else None
+    bound = _prove_bound(judged.mission, faults) if judged.mission.fleet.start and is_ready(judged.mission) else None
     if faults := [*faults, *hopeless(judged.mission, _least(bound))]:
         raise Refusal(422, "the mission cannot work", faults)
     if given["effort"] is not None:
@@ -85,7 +85,7 @@ def _answer(judged: JudgedDocument) -> Json:
     """Faults and warnings, the ground in metres, and what is asked of how many robots at least."""
     mission, faults = judged.mission, faults_json(judged)
     compiling = mission is not None and not is_ready(mission)
-    bound = None if mission is None or compiling else _bound(mission, faults)
+    bound = None if mission is None or compiling else _prove_bound(mission, faults)
     warnings = [fault_json(warning.place, warning.message) for warning in judged.warnings]
     if mission is not None:
         faults += hopeless(mission, _least(bound))
@@ -101,7 +101,7 @@ def _answer(judged: JudgedDocument) -> Json:
     }
 
 
-def _bound(mission: Mission, faults: list[Json]) -> Json | None:
+def _prove_bound(mission: Mission, faults: list[Json]) -> Json | None:
     """Robots that any plan needs, and why; None where nothing is proved. Adds a fault where no plan is possible."""
     try:
         found = planner_of(mission).proved_bound(mission)

@@ -43,13 +43,13 @@ def watch_fleet(context: Context, asked: Json, tell: Tell, stop: threading.Event
         link = make_link(asked["link"], plan, asked["settings"])
         make_ready()
         fleet = _Fleet(plan, asked["cells"], tell)
-        asyncio.run(_watched(plan, link, fleet, stop))
+        asyncio.run(_watch(plan, link, fleet, stop))
     except RotaError as error:
         return {"event": "ended", "state": "failed", "message": str(error)}
     return {"event": "ended", "state": "ended", "message": None}
 
 
-async def _watched(plan: Plan, link: Link, fleet: _Fleet, stop: threading.Event) -> None:
+async def _watch(plan: Plan, link: Link, fleet: _Fleet, stop: threading.Event) -> None:
     """Give vehicles that live in this process their routes, and follow all."""
     try:
         await link.open()

@@ -19,7 +19,7 @@ from typing import BinaryIO
 from rota.errors import MissionError, RotaError
 from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database
-from rota.web.tasks.context import Context, as_given
+from rota.web.tasks.context import Context, with_given_names
 from rota.web.tasks.memory import is_out_of_memory, limit_memory
 
 TASKS = {
@@ -105,15 +105,15 @@ def _serve(context: Context, inbox: Inbox, outbox: Outbox) -> None:
     while True:
         message, content = inbox.get()
         try:
-            outbox.send(*done(context, message, content))
+            outbox.send(*do_task(context, message, content))
         except Refusal as refusal:
-            outbox.send(refused(refusal))
+            outbox.send(refusal_as_message(refusal))
         except MissionError as error:
-            outbox.send(refused(Refusal(422, "the mission has faults", _plain_faults(error))))
+            outbox.send(refusal_as_message(Refusal(422, "the mission has faults", _plain_faults(error))))
         except RotaError as error:
-            outbox.send(refused(Refusal(422, str(error))))
+            outbox.send(refusal_as_message(Refusal(422, str(error))))
         except Exception as error:
-            outbox.send(refused(_failure(error)))
+            outbox.send(refusal_as_message(_failure(error)))
 
 
 def _failure(error: Exception) -> Refusal:
@@ -124,17 +124,17 @@ def _failure(error: Exception) -> Refusal:
     return unkept(error) or Refusal(500, "a fault in Rota, not in what was sent; the server's log has it")
 
 
-def done(context: Context, message: Json, content: bytes) -> tuple[Json, bytes]:
+def do_task(context: Context, message: Json, content: bytes) -> tuple[Json, bytes]:
     """What the function of a task answers."""
     module, _, name = TASKS[message["task"]].partition(":")
     answer: tuple[Json, bytes] = getattr(importlib.import_module(module), name)(context, message, content)
     return answer
 
 
-def refused(refusal: Refusal) -> Json:
+def refusal_as_message(refusal: Refusal) -> Json:
     """A refusal as a message."""
-    faults = [{**fault, "message": as_given(fault["message"])} for fault in refusal.faults]
-    return {"refused": {"status": refusal.status, "message": as_given(refusal.message), "faults": faults}}
+    faults = [{**fault, "message": with_given_names(fault["message"])} for fault in refusal.faults]
+    return {"refused": {"status": refusal.status, "message": with_given_names(refusal.message), "faults": faults}}
 
 
 def _plain_faults(error: MissionError) -> list[Json]:

@@ -62,13 +62,13 @@ class Pool:
         try:
             if replaces is not None and self._newest[replaces] != number:
                 raise Refusal(409, "a newer request took the place of this one")
-            return await self._asked({"task": task, **given}, content, within_s or self._limits.task_time_s)
+            return await self._ask({"task": task, **given}, content, within_s or self._limits.task_time_s)
         finally:
             self._free.release()
             if replaces is not None and self._newest.get(replaces) == number:
                 del self._newest[replaces]
 
-    async def _asked(self, message: Json, content: bytes, within_s: float) -> Answer:
+    async def _ask(self, message: Json, content: bytes, within_s: float) -> Answer:
         """The answer of a worker; Refusal when it takes too long, dies or refuses."""
         worker = await self._worker()
         self._busy.add(worker)
@@ -106,9 +106,9 @@ class Pool:
 
     async def prepare(self) -> None:
         """Start a process ahead, which loads what it needs while nobody waits for it yet."""
-        self._preparing = asyncio.create_task(self._prepared())
+        self._preparing = asyncio.create_task(self._prepare())
 
-    async def _prepared(self) -> None:
+    async def _prepare(self) -> None:
         try:
             await self.ask("prepare", within_s=PREPARE_S)
         except Refusal as refusal:

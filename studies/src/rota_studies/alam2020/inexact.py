@@ -87,7 +87,7 @@ class Room:
                 mean=found.mean_seen(after_s),
                 least=found.least_seen(after_s),
                 batches=np.array([batch.mean() for batch in np.array_split(each, BATCHES)]),
-                cells=found.seen(after_s),
+                cells=found.entered_shares(after_s),
                 curve=np.array([
                     found.mean_seen(step * self.step_s).value for step in np.linspace(0, steps, CURVE_POINTS)
                 ]),

@@ -20,7 +20,7 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.coverage import Coverage
-from rota.planners.bounce.planner import Bouncing, bouncing_robots, coverage_plan, covered_by
+from rota.planners.bounce.planner import Bouncing, bouncing_robots, coverage_by, coverage_plan
 from rota.planners.bounce.planner_settings import BounceMethod, BounceSettings
 from rota.planning.make_plan import search_plan
 from rota_studies.alam2020 import paper
@@ -169,7 +169,7 @@ class Runs(StudyRuns[StudySettings]):
         """A covering run as a plan; no record is kept of it."""
         self.now(f"{mission.name}, {method}, start {seed}")
         bouncing = _bouncing(mission, method)
-        return coverage_plan(bouncing, covered_by(bouncing, seed=seed), seed)
+        return coverage_plan(bouncing, coverage_by(bouncing, seed=seed), seed)
 
     def _run(self, doing: str, mission: Mission, method: BounceMethod) -> dict[str, object]:
         return {"what": doing, **what(mission), "method": method}
@@ -179,7 +179,7 @@ class Runs(StudyRuns[StudySettings]):
         found = []
         for seed in self.starts:
             self.now(f"covering by {mission.name}, {method}, start {seed}")
-            found.append(covered_by(bouncing, seed=seed))
+            found.append(coverage_by(bouncing, seed=seed))
         return cover_runs(bouncing, found, self.starts)
 
 

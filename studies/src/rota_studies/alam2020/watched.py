@@ -10,10 +10,10 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
-from rota.planners.bounce.enumeration import enumerate_groups, printed
+from rota.planners.bounce.enumeration import enumerate_groups, groups_as_printed
 from rota.planners.bounce.group_count import count_groups
 from rota.planners.bounce.inexact_plan import Kept, with_errors
-from rota.planners.bounce.limit_cycles import seen_by_cycles, zone_cells
+from rota.planners.bounce.limit_cycles import cycles_see, zone_cells
 from rota.planners.bounce.monitoring import Watch, groups
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, monitoring_plan, watch_of
 from rota.planners.bounce.planner_settings import BounceSettings
@@ -125,7 +125,7 @@ def group_counts(mission: Mission) -> GroupCounts:
     return GroupCounts(
         cycles=len(watch.cycles.length),
         states=len(watch.cycles.state),
-        printed=printed(bouncing.team, inside, headings)[0],
+        printed=groups_as_printed(bouncing.team, inside, headings)[0],
         apart=count_groups(watch.cycles, watch.sees),
         unordered=sum(1 for _ in groups(watch, unordered=True)),
         anywhere=count_groups(watch.cycles, watch.sees[:, :0]),
@@ -145,5 +145,5 @@ def random_region_counts(mission: Mission, pairs: int, seed: int) -> list[int]:
             corner = int(rng.integers(cells.count))
             across, up = cells.column - cells.column[corner], cells.row - cells.row[corner]
             region[:] = (across >= 0) & (across < REGION_CELLS) & (up >= 0) & (up < REGION_CELLS)
-        counts.append(count_groups(watch.cycles, seen_by_cycles(watch.cycles, inside, cells.headings)))
+        counts.append(count_groups(watch.cycles, cycles_see(watch.cycles, inside, cells.headings)))
     return counts

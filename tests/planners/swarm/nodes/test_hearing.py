@@ -87,14 +87,14 @@ def test_a_hundred_thousand_malformed_datagrams_leave_nothing_behind() -> None:
     tracemalloc.stop()
     assert ear.dropped == 102_000
     assert after - before < 100_000  # a byte for each: other threads' memory is counted as well, and varies
-    assert [known.robot for known in ear.known(10 * S, 10 * S)] == [1, 2]
+    assert [known.robot for known in ear.known_bodies(10 * S, 10 * S)] == [1, 2]
 
 
 def test_late_doubled_and_disordered_tellings_change_nothing() -> None:
     ear = hearing()
     new, old = GOOD._replace(told_ns=11 * S, x=5.0), GOOD
     ear.hear([write_telling(t, SWARM) for t in (new, old, new, old)], 11 * S)
-    assert ear.known(11 * S, 11 * S)[0].x == 5.0
+    assert ear.known_bodies(11 * S, 11 * S)[0].x == 5.0
     assert ear.dropped == 0
 
 
@@ -108,32 +108,32 @@ def test_tellings_of_strangers_of_the_future_and_of_oneself_are_not_heeded() -> 
         [write_telling(GOOD._replace(robot=0), SWARM), write_telling(GOOD._replace(told_ns=11 * S), SWARM)], 10 * S
     )
     assert ear.dropped == 2
-    assert [known.is_member for known in ear.known(10 * S, 10 * S)] == [True, False]
+    assert [known.is_member for known in ear.known_bodies(10 * S, 10 * S)] == [True, False]
 
 
 def test_a_robot_is_believed_where_it_told_it_goes_until_it_is_forgotten() -> None:
     ear = hearing()
     ear.hear([write_telling(GOOD, SWARM)], 10 * S)
-    later = ear.known(10 * S + S // 20, 10 * S + S // 20)[0]
+    later = ear.known_bodies(10 * S + S // 20, 10 * S + S // 20)[0]
     assert (later.x, later.y) == pytest.approx((3.05, 3.9))
     assert (later.vx, later.vy) == (1.0, -2.0)
-    after = ear.known(10 * S + S // 4, 10 * S + S // 4)[0]
+    after = ear.known_bodies(10 * S + S // 4, 10 * S + S // 4)[0]
     assert (after.x, after.y) == pytest.approx((3.1, 3.8))
     assert (after.vx, after.vy) == (0.0, 0.0)
     assert ear.is_alive(1, 10 * S + S // 2)
     assert not ear.is_alive(1, 10 * S + S // 2 + 1)
     # a body where it stopped and one where it starts; robot 2 was never heard
-    silent = ear.known(20 * S, 20 * S)
+    silent = ear.known_bodies(20 * S, 20 * S)
     assert [(known.robot, known.is_member) for known in silent] == [(1, False), (1, False), (2, False)]
     assert (silent[0].x, silent[0].reach_m) == (10.0, 0.0)
     assert (silent[1].x, silent[1].y) == pytest.approx((3.1, 3.8))
-    assert silent[1].reach_m == pytest.approx(ear.known(10 * S + S // 2, 10 * S + S // 2)[0].reach_m)
+    assert silent[1].reach_m == pytest.approx(ear.known_bodies(10 * S + S // 2, 10 * S + S // 2)[0].reach_m)
 
 
 def test_one_that_said_that_it_left_is_where_it_said() -> None:
     ear = hearing()
     ear.hear([write_telling(GOOD._replace(state=LEFT, vx=0.0, vy=0.0), SWARM)], 10 * S)
-    bodies = [known for known in ear.known(10 * S, 11 * S) if known.robot == 1]
+    bodies = [known for known in ear.known_bodies(10 * S, 11 * S) if known.robot == 1]
     assert [(known.x, known.reach_m, known.is_member) for known in bodies] == [(10.0, 0.0, False), (3.0, 0.0, False)]
 
 

@@ -122,7 +122,7 @@ def test_a_robot_by_itself_listens_tells_and_leaves_when_asked() -> None:
     recorder, life = Recorder(scene, clock()), None
     until = time.monotonic() + 60
     while (life is None or life.left_s is None) and time.monotonic() < until:
-        recorder.hear(ear.received(), clock())
+        recorder.hear(ear.receive(), clock())
         life = recorder._lives.get(0)
         if life is not None and life.joined_s is not None and not asked.is_set():
             with pytest.raises(LinkError, match=r"cannot listen there .* is this robot running already"):

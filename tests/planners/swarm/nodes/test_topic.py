@@ -67,6 +67,6 @@ def test_long_messages_are_cut_and_others_arrive_as_they_were_sent() -> None:
         port.send(datagram)
     read, until = [], time.monotonic() + 30
     while len(read) < len(sent) and time.monotonic() < until:
-        read += port.received()
+        read += port.receive()
     port.close()
     assert read == [sent[0], bytes(SIZE + 1), b""]

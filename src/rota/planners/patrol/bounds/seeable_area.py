@@ -13,7 +13,7 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion
-from rota.geometry.tiles import clipped, few_cornered_boxes, grown_box
+from rota.geometry.tiles import clip, few_cornered_boxes, grown_box
 from rota.model.mission import DiscSensor, Robot, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS, area_in_range
 
@@ -66,10 +66,10 @@ def _near_boxes(
         return
     tree = shapely.STRtree(lines)
     for box in boxes:
-        within = [None if shape is None else clipped(shape, box) for shape in asked]
+        within = [None if shape is None else clip(shape, box) for shape in asked]
         if any(shape is not None and not shape.is_empty for shape in within):
             wide = grown_box(box, near_m)
-            yield _Near(within, clipped(space, wide), lines[np.sort(tree.query(shapely.box(*wide)))])
+            yield _Near(within, clip(space, wide), lines[np.sort(tree.query(shapely.box(*wide)))])
 
 
 def _walls_run_through(part: _Near) -> bool:

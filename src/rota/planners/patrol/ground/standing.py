@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import NoPlanFound
-from rota.geometry.free_space import DemandedRegion, entered, standing_anywhere, standing_space_in
+from rota.geometry.free_space import DemandedRegion, parts_entered, standing_anywhere, standing_space_in
 from rota.geometry.threads import side_by_side
 from rota.geometry.tiles import grown_box
 from rota.model.mission import Mission, Robot
@@ -119,14 +119,14 @@ def _behind_entrances(
     if mission.fleet.entrances is None:
         return space, space
     clear_m = clear_body_m(mission, body_radius_m)
-    cut_off = _parts_beside(sure, entered(sure, mission, clear_m, arc_corners=arc_corners))
+    cut_off = _parts_beside(sure, parts_entered(sure, mission, clear_m, arc_corners=arc_corners))
     sure = drawn_finer(mission, sure, cut_off, clear_m)
     space = drawn_finer(mission, space, cut_off, body_radius_m)
-    sure = entered(sure, mission, clear_m, arc_corners=arc_corners)
+    sure = parts_entered(sure, mission, clear_m, arc_corners=arc_corners)
     near = sure.buffer(4 * CLEARANCE * body_radius_m + GRAZE_M, quad_segs=2)
     far = [part for part in shapely.get_parts(shapely.difference(space, near)) if part.area > SLIVER_M2]
     within = polygons_of(shapely.difference(space, shapely.union_all(far))) if far else space
-    return entered(within, mission, body_radius_m, arc_corners=arc_corners), sure
+    return parts_entered(within, mission, body_radius_m, arc_corners=arc_corners), sure
 
 
 def _parts_beside(space: MultiPolygon, inside: MultiPolygon) -> list[Polygon]:

@@ -42,7 +42,7 @@ class Belief:
 
         last: the velocity that it went with. known: neighbours first, then mere bodies.
         """
-        robots, widest_m = self._filled(place, last, known)
+        robots, widest_m = self._fill(place, last, known)
         members = frozenset(other.robot for other in known if other.is_member)
         if members != self._members or moving.vx.any() or moving.vy.any():
             self._members, self._last_change = members, step
@@ -60,7 +60,7 @@ class Belief:
         vx, vy = no_faster(float(self._out.vx[0]), float(self._out.vy[0]), speed)
         return float(vx), float(vy)
 
-    def _filled(
+    def _fill(
         self, place: tuple[float, float], last: tuple[float, float], known: Sequence[Known]
     ) -> tuple[Robots, float]:
         """The arrays with the robot itself in the first row, and how far off the filter must look."""

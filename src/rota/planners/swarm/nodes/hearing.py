@@ -96,7 +96,7 @@ class Hearing:
         telling = self._last_of(robot)
         return telling is not None and telling.state != LEFT and now_ns - telling.told_ns <= self._silent_ns
 
-    def known(self, now_ns: int, until_ns: int) -> list[Known]:
+    def known_bodies(self, now_ns: int, until_ns: int) -> list[Known]:
         """All bodies to reckon with from now until a time: first the neighbours, by number, then mere bodies."""
         members, bodies = [], []
         for robot, start in enumerate(self._starts):

@@ -40,7 +40,7 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
         begin_ns = clock() + 3 * scene.silent_ns + round(start_s * 1e9)
         until_ns = None if launch.time_limit_s is None else begin_ns + round(launch.time_limit_s * 1e9)
         for robot in numbers:
-            processes[robot] = _started(scene, robot, settings, begin_ns, until_ns)
+            processes[robot] = _start(scene, robot, settings, begin_ns, until_ns)
         launch.started({robot: process.pid or 0 for robot, process in processes.items()})
         port = port or open_port(settings, fleet, fleet)
         changes_s = last_change_s(scene.mission, numbers) if until_ns is not None else 0.0
@@ -48,7 +48,7 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
         recorder, told = Recorder(scene, begin_ns, until_ns=until_ns), 0
         while True:
             now_ns = clock()
-            recorder.hear(port.received(), now_ns)
+            recorder.hear(port.receive(), now_ns)
             for row in recorder.coverage[told:]:
                 launch.measured(*row)
             told = len(recorder.coverage)
@@ -89,7 +89,7 @@ def last_change_s(mission: Mission, numbers: Iterable[int]) -> float:
     return max(changes_s, default=0.0)
 
 
-def _started(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, until_ns: int | None) -> BaseProcess:
+def _start(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, until_ns: int | None) -> BaseProcess:
     """The process of one robot: a fork, which is ready at once, where the system has that; else one that loads anew."""
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("fork" if "fork" in methods else "spawn")

@@ -123,13 +123,13 @@ class RobotNode:
         Who stood clear of it when it told something still does: all keep clear of the starts of those they do not hear.
         """
         x, y = self._place_m
-        for other in self._known(now_ns):
+        for other in self._known_bodies(now_ns):
             if math.hypot(other.x - x, other.y - y) < float(self._own.body_m[0]) + other.body_m - ROUNDING_M:
                 yield other.robot
 
-    def _known(self, now_ns: int) -> list[Known]:
+    def _known_bodies(self, now_ns: int) -> list[Known]:
         """All bodies to reckon with while the next decision holds."""
-        return self._hearing.known(now_ns, now_ns + self._hold_ns)
+        return self._hearing.known_bodies(now_ns, now_ns + self._hold_ns)
 
     def _state(self, now_ns: int) -> int:
         """Whether it waits, takes part or has left."""
@@ -148,7 +148,7 @@ class RobotNode:
         last = (told.vx, told.vy) if told is not None else (0.0, 0.0)
         since_s = (now_ns - self._begin_ns) * 1e-9
         moving = moving_at(self._scene.mission.moving_obstacles, since_s, self._hold_ns * 1e-9)
-        vx, vy = self._belief.decision(self._place_m, last, self._known(now_ns), moving, self._steps)
+        vx, vy = self._belief.decision(self._place_m, last, self._known_bodies(now_ns), moving, self._steps)
         share = self._share_climbing(vx, vy)
         return share * vx, share * vy
 

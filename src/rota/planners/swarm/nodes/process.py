@@ -59,7 +59,7 @@ def run_robot(
             if should_stop() or (parent is not None and os.getppid() != parent):
                 node.leave()
             cpu_ns = time.thread_time_ns()
-            datagrams = list(port.received())  # before the clock is read, which none of them is ahead of then
+            datagrams = list(port.receive())  # before the clock is read, which none of them is ahead of then
             datagram = node.tick(clock(), datagrams)
             if datagram is not None:
                 port.send(datagram)
@@ -68,7 +68,7 @@ def run_robot(
             while (left_ns := next_ns - clock()) > 0:
                 time.sleep(min(left_ns * 1e-9, READ_S if scene.own_clocks else math.inf))
                 if scene.own_clocks:
-                    arrived = list(port.received())
+                    arrived = list(port.receive())
                     node.hear(arrived, clock())
     finally:
         port.close()

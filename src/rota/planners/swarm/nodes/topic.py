@@ -36,7 +36,7 @@ class TopicPort:
         self._subscription = node.create_subscription(UInt8MultiArray, TOPIC, lambda _: None, quality)
         _wait_until_found(self._publisher)
 
-    def received(self) -> Iterator[bytes]:
+    def receive(self) -> Iterator[bytes]:
         """What has arrived, also from itself, at most ``MOST_KEPT``."""
         handle = self._subscription.handle
         for _ in range(MOST_KEPT):

@@ -16,7 +16,7 @@ ROS2_START_S, ROS2_ROBOT_S = 3.0, 0.5  # nodes find each other, each time all th
 class Port(Protocol):
     """What a robot's process sends and receives by."""
 
-    def received(self) -> Iterator[bytes]:
+    def receive(self) -> Iterator[bytes]:
         """The datagrams that have arrived, in a bounded number; of longer ones so much that their length tells them."""
 
     def send(self, datagram: bytes) -> None:

@@ -63,7 +63,7 @@ class UdpPort:
         with suppress(OSError):
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
 
-    def received(self) -> Iterator[bytes]:
+    def receive(self) -> Iterator[bytes]:
         """What has arrived, at most ``MOST_AT_ONCE``; of longer datagrams so much that their length tells them."""
         for _ in range(MOST_AT_ONCE):
             try:

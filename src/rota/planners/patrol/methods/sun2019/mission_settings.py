@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 from rota.model.planner_settings import LENGTH, LENGTH_OR_ZERO, Settings, setting, settings_of
-from rota.model.refusals import Where, inner, shown
+from rota.model.refusals import Where, inner, show_value
 
 DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 FrameTour = Literal["local_search", "genetic"]
@@ -216,8 +216,8 @@ def _in_order(
     """A setting that is not less than another one, or equal to it where that is allowed."""
     told = {item.name: item.default for item in settings_of(block)} | dict(values)
     if not (told[low] < told[high] or (equal and told[low] == told[high])):
-        allowed = f"it must be {'at most' if equal else 'less than'} {high}, {shown(told[high])}"
-        yield (low,), f"{shown(told[low])} is not allowed; {allowed}"
+        allowed = f"it must be {'at most' if equal else 'less than'} {high}, {show_value(told[high])}"
+        yield (low,), f"{show_value(told[low])} is not allowed; {allowed}"
 
 
 LEAST_WEIGHT, MOST_WEIGHT = 362.0, 523.0
@@ -249,14 +249,14 @@ class Sun2019(Settings):
     segments: SegmentSettings = setting(SegmentSettings, "Algorithm 3: Table 4, Eqs. 20 to 28", newer=True, spared=True)
 
     @classmethod
-    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Sensors that are squares."""
         if inner(data, "fleet", "sensor", "shape") == "square":
             message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
             yield ("fleet", "sensor", "shape"), message
 
     @classmethod
-    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings of algorithms that are not chosen."""
         told = {item.name: item.default for item in settings_of(cls)} | dict(values)
         for block, stage, algorithm, is_its in (
