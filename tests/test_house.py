@@ -178,3 +178,62 @@ def test_compiled_functions_have_few_parameters(tmp_path: Path) -> None:
     (tmp_path / "some_kernels.py").write_text(f"def many({names}): ...\ndef few(a): ...\n")
     assert many_parameters(tmp_path) == ["many"]
     assert many_parameters(SOURCE) == []
+
+
+# ---------------------------------------------------------------- words
+
+IRREGULAR = re.findall(
+    r"\w+",
+    """told shown laid kept held found given seen met driven drawn made led taken begun bent built bought caught chosen
+    dealt dug fed felt flown frozen gone grown heard hidden known left lost meant proven ridden said sent shaken sold
+    spent stuck thrown torn understood worn woven wound written overridden undone broken spoken""",
+)
+ENDS_SO = ("seed", "need", "speed", "feed", "bed", "embed", "red", "exceed", "hundred")
+BEFORE = ("as", "all", "best", "not", "once", "newly", "half", "so")
+LATER = re.findall(
+    r"\w+",
+    """by in at to of for from with on out off up as over into along within beside before after when where round again
+    apart together away back down once here there first least""",
+)
+# names and docstrings that are not yet as they should be: "participle" or "silent", and the function; it only shrinks
+EXCEPTIONS = Path(__file__).with_name("words_to_change.txt").read_text().splitlines()
+
+
+def is_participle(name: str) -> bool:
+    """Whether a function is called by a participle alone, or by one and what goes with it, as ``led_along``."""
+    words = [word for word in name.split("_") if word]
+    while len(words) > 1 and words[0] in BEFORE:
+        del words[0]
+    is_one = words[0] in IRREGULAR or (words[0].endswith("ed") and words[0] not in ENDS_SO)
+    return is_one and (len(words) == 1 or words[1] in LATER)
+
+
+def is_silent(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Whether it is a private function of ten lines or more without a docstring."""
+    private = re.match("_[^_]", function.name) is not None
+    return private and (function.end_lineno or 0) - function.lineno >= 9 and ast.get_docstring(function) is None
+
+
+def words_to_change() -> set[str]:
+    """The functions of Rota that are called by participles, but for properties, or that say nothing of themselves."""
+    found = set()
+    for module in (name for name in MODULES if within(name, "rota")):
+        for node in ast.walk(ast.parse(MODULES[module].read_text())):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                name = f"{module.removeprefix('rota.')}:{node.name}"
+                is_data = any("property" in ast.unparse(each) for each in node.decorator_list)
+                found |= {f"participle {name}"} if is_participle(node.name) and not is_data else set()
+                found |= {f"silent {name}"} if is_silent(node) else set()
+    return found
+
+
+def test_participles_are_seen() -> None:
+    assert all(map(is_participle, ("_told", "led_along", "joined_within", "as_asked", "all_seen_by")))
+    assert not any(map(is_participle, ("covered_share", "read_plan", "is_met", "seed", "run", "cut_back", "lead_past")))
+
+
+def test_functions_are_verbs_or_nouns_and_longer_private_ones_say_what_they_do() -> None:
+    found = words_to_change()
+    told = "call it by what it does or returns, or give it a docstring of one sentence"
+    assert sorted(found - set(EXCEPTIONS)) == [], told
+    assert sorted(set(EXCEPTIONS) - found) == [], "take it off tests/words_to_change.txt"

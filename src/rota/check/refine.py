@@ -157,7 +157,7 @@ class _Level:
         finest = self.sizes_m <= finest_m * (1 + ROUNDING)
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
-        passed = self._seen_in_passing(findings, np.flatnonzero(finest & ~out & ~self.bad))
+        passed = self._meets_in_passing(findings, np.flatnonzero(finest & ~out & ~self.bad))
         in_doubt = np.flatnonzero(finest & ~out & ~passed)
         out[in_doubt] = self.hidden[in_doubt]
         asked = in_doubt[~out[in_doubt]]
@@ -198,7 +198,7 @@ class _Level:
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
         return ~is_seeable(self.middles[index], radii * (1 + ROUNDING), self.owners[index])
 
-    def _seen_in_passing(self, findings: list[Findings], index: Ints) -> Flags:
+    def _meets_in_passing(self, findings: list[Findings], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""
         passed = np.zeros(len(self.pieces), bool)
         gaps = passing_gaps(self.sights, self.pieces.choose(index), self.limits_s[index])

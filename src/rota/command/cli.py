@@ -131,7 +131,7 @@ def plan(
             seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
             stack.enter_context(compile_first(planner, packages))
             executor = stack.enter_context(cluster_or_none(cluster))
-            if (left_out := OwnThread(lambda: planner.left_out(asked)).do_work()) is not None:
+            if (left_out := OwnThread(lambda: planner.omission(asked)).do_work()) is not None:
                 say(left_out)
         code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)

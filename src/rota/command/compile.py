@@ -69,19 +69,19 @@ def _show_progress(bar: Bar) -> Iterator[Callable[[], set[str]]]:
 
     before, done = kept_names(), threading.Event()
 
-    def newly_kept() -> set[str]:
+    def new_names() -> set[str]:
         """What is kept now and was not before."""
         return kept_names() - before
 
     def show() -> None:
         """Tell how many there are until the work is done."""
         while not done.wait(LOOK_EVERY_S):
-            bar.show(0.0, f"compiling, {len(newly_kept())} functions so far")
+            bar.show(0.0, f"compiling, {len(new_names())} functions so far")
 
     shower = threading.Thread(target=show, daemon=True)
     shower.start()
     try:
-        yield newly_kept
+        yield new_names
     finally:
         done.set()
         shower.join()

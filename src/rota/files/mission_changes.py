@@ -105,6 +105,7 @@ def _of_entry(what: str, before: Json, after: Json) -> Iterator[str]:
 
 
 def _of_value(what: str, unit: str, before: Any, after: Any) -> Iterator[str]:
+    """What differs between two values, in words; of blocks, what differs in them."""
     if _same(before, after):
         return
     if isinstance(before, dict | None) and isinstance(after, dict | None):

@@ -112,6 +112,7 @@ def cruise_speed_m_s(trajectory: Trajectory) -> float | None:
 
 
 def _on_globe(stops: Sequence[RouteStop], projection: Projection) -> list[_Stop]:
+    """Stops with their places in degrees, rounded as MAVLink carries them."""
     if not stops:
         return []
     x, y, heights_m = zip(*(stop.place_m for stop in stops), strict=True)

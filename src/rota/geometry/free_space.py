@@ -123,11 +123,11 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
     lies in the area, whatever overlaps it, and takes its ground out of the rest as well. Regions left empty are absent.
     """
     hiding = tuple(obstacle.shape for obstacle in mission.obstacles if obstacle.hides_demand)
-    return _demanded_once(mission.area, hiding, mission.zones, mission.period_s)
+    return _regions_of_demand(mission.area, hiding, mission.zones, mission.period_s)
 
 
 @functools.lru_cache(maxsize=4)
-def _demanded_once(
+def _regions_of_demand(
     area: MultiPolygon, hiding: tuple[MultiPolygon, ...], zones: tuple[Zone, ...], outside_s: float | None
 ) -> tuple[DemandedRegion, ...]:
     """The regions of ``demanded_regions``; the setting up of one search asks for them several times."""

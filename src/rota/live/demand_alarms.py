@@ -103,6 +103,7 @@ class DemandAlarms:
         return able
 
     def _will_lapse(self, now_s: float, lapse: Lapse, places_m: dict[int, Place]) -> Notice:
+        """The alarm of a demand that nobody due will meet, with who could still make it."""
         k, at = lapse.demand, self._at(lapse.place)
         left_s = lapse.at_s - now_s
         able = self._able(now_s, lapse, places_m)

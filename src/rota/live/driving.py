@@ -50,6 +50,7 @@ class Driving:
         return None if last is None else (last.name, self._keeping.late_s(last))
 
     def _look(self, notices: list[Notice]) -> None:
+        """Pass notices on, and at times tell all robots what to make up or lose."""
         for notice in notices:
             if not self._is_of_waiting(notice):
                 self._tell(notice)
@@ -85,6 +86,7 @@ class Driving:
             self._sent[order.robot] = asyncio.get_running_loop().create_task(self._keep(order))
 
     async def _keep(self, order: Order) -> None:
+        """Give a robot its order; one that does not take it is told of once."""
         try:
             await self._link.keep(order)
         except LinkError as error:

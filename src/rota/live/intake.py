@@ -54,6 +54,7 @@ class Intake:
         return found
 
     def _fault_of(self, report: Report, now_s: float, last_s: float) -> Fault | None:
+        """Why a report is not believed; None where it is."""
         try:
             numbers = [float(value) for value in (report.time_s, *report.position_m)]
             battery = 0.0 if report.battery is None else float(report.battery)

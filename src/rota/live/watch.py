@@ -105,6 +105,7 @@ class Watch:
     # ------------------------------------------------------------ what arrives
 
     def _hear(self, heard: Heard) -> None:
+        """Note where a robot is, and what it has seen on its way there."""
         number, robot = heard.robot, self._robots[heard.robot]
         last = self._last[number]
         if last is not None and heard.time_s <= last.time_s:
@@ -132,6 +133,7 @@ class Watch:
     # ------------------------------------------------------------ what a tick brings
 
     def _tick(self, now_s: float) -> None:
+        """Let time pass: follow the robots, and look ahead when it is time for that."""
         if now_s <= self._now_s:
             return
         self._now_s = now_s
@@ -233,6 +235,7 @@ class Watch:
         }
 
     def _note_batteries(self) -> None:
+        """Tell of each battery that is low, and of each robot that must leave."""
         for number, robot in enumerate(self._robots):
             battery = self._batteries[number]
             if battery.level is None or self._standing[number] == "lost":

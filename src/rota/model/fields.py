@@ -182,6 +182,7 @@ class Field:
         return nouns.get(self.kind) or (any_of(self.options) if self.options else str(self.block.__name__))
 
     def _count_fault(self, value: Any) -> Fault | None:
+        """What is wrong with how many entries a list has, or with its being none."""
         if self.word is not None and value in (self.word, ()):
             return None
         if not isinstance(value, list | tuple):
@@ -196,6 +197,7 @@ class Field:
         return None
 
     def _number_fault(self, value: Any, in_mission_file: bool) -> Fault | None:
+        """What is wrong with a number: its type, or a bound that it breaks."""
         whole = self.kind == "whole"
         is_number: bool = isinstance(value, Integral if whole else Real) and not isinstance(value, bool)
         if not is_number:

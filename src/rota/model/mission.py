@@ -58,6 +58,7 @@ AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another n
 
 
 def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
+    """A valid shape as a multipolygon. Raises MissionError for others, which says ``where`` it was given."""
     if isinstance(shape, Polygon):
         shape = MultiPolygon([shape] if not shape.is_empty else [])
     require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")

@@ -105,7 +105,7 @@ class Planner(ABC):
         """The mission's robots as processes of their own; MissionError for robots that do not decide for themselves."""
         raise MissionError(f"planner: {self.settings.planner} is not allowed; only robots of a swarm decide themselves")
 
-    def left_out(self, mission: Mission) -> str | None:
+    def omission(self, mission: Mission) -> str | None:
         """What any plan leaves out of what the mission asks, told before planning; None: nothing, or not known."""
         return None
 

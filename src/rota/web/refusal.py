@@ -33,6 +33,6 @@ def unkept(error: Exception) -> Refusal | None:
     return None
 
 
-def not_found(what: str, key: str) -> Refusal:
+def no_such(what: str, key: str) -> Refusal:
     """404, with what there is none of."""
     return Refusal(404, f"there is no {what} {key[:80]!r}")

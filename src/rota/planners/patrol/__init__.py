@@ -81,7 +81,7 @@ class PatrolPlanner(Planner):
             planning=PatrolSettings(effort="quick", method="sun2019" if "sun2019" in methods else "sequential"),
         )
 
-    def left_out(self, mission: Mission) -> str | None:
+    def omission(self, mission: Mission) -> str | None:
         """Ground that nobody can see from where robots can be."""
         from rota.planners.patrol.left_out import sentence_of_what_is_left_out
 

@@ -8,7 +8,7 @@ from collections import deque
 
 from rota.web.jobs.live import Listener
 from rota.web.limits import Limits
-from rota.web.refusal import Json, Refusal, not_found
+from rota.web.refusal import Json, Refusal, no_such
 from rota.web.store.database import new_id, now
 from rota.web.workers.process import WorkerGone, WorkerProcess
 
@@ -113,7 +113,7 @@ class WatchDesk:
     def find(self, key: str) -> LiveWatch:
         """A watch by its id; Refusal for one that there is not."""
         if key not in self._watches:
-            raise not_found("watch", key)
+            raise no_such("watch", key)
         return self._watches[key]
 
     def show_all(self) -> list[Json]:

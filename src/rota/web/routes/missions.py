@@ -10,7 +10,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from rota.web.documents import require_few_vertices
-from rota.web.refusal import Json, Refusal, not_found
+from rota.web.refusal import Json, Refusal, no_such
 from rota.web.routes.answers import JsonAnswer, body_of, json_of, revision_of, state_of, text_or_none
 from rota.web.routes.downloads import download
 from rota.web.routes.uploads import uploaded_files
@@ -33,7 +33,7 @@ async def example(request: Request) -> Response:
     """An example as a document."""
     name = request.path_params["name"]
     if name not in {entry["name"] for entry in await run_in_threadpool(example_names)}:
-        raise not_found("example", name)
+        raise no_such("example", name)
     _, body = await state_of(request).pool.ask("example", name=name)
     return JsonAnswer(body)
 
@@ -60,7 +60,7 @@ async def create(request: Request) -> Response:
         raise Refusal(400, "give exactly one of document and example")
     if name is not None:
         if name not in {entry["name"] for entry in await run_in_threadpool(example_names)}:
-            raise not_found("example", name)
+            raise no_such("example", name)
         answer, _ = await state.pool.ask("example", name=name, keep=True)
         made = await run_in_threadpool(mission_json, state.database, answer["mission"])
     else:

@@ -11,7 +11,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from rota.web.refusal import Json, not_found
+from rota.web.refusal import Json, no_such
 from rota.web.routes.answers import JsonAnswer, asked_number, state_of
 from rota.web.routes.downloads import download
 from rota.web.routes.page import about_of
@@ -99,7 +99,7 @@ async def export(request: Request) -> Response:
     state, asked = state_of(request), request.query_params
     to = request.path_params["format"]
     if to not in {known["name"] for known in (await about_of(request))["formats"]}:
-        raise not_found("format", to)
+        raise no_such("format", to)
     plan = request.path_params["id"]
     shown = await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
     answer, body = await state.pool.ask(

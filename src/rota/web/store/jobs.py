@@ -7,7 +7,7 @@ import sqlite3
 from typing import Any
 
 from rota.model.planner_registry import planner_names
-from rota.web.refusal import Json, Refusal, not_found
+from rota.web.refusal import Json, Refusal, no_such
 from rota.web.store.database import Database, contents_of, new_id, now
 from rota.web.store.missions import clean_files, mission_source, name_of, planner_of, text_of
 
@@ -126,7 +126,7 @@ def delete_job(database: Database, job: str) -> None:
 def _row(connection: sqlite3.Connection, job: str) -> sqlite3.Row:
     row: sqlite3.Row | None = connection.execute("SELECT * FROM jobs WHERE id = ?", (job,)).fetchone()
     if row is None:
-        raise not_found("job", job)
+        raise no_such("job", job)
     return row
 
 

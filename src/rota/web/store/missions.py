@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rota.model.planner_registry import DEFAULT
-from rota.web.refusal import Json, Refusal, not_found
+from rota.web.refusal import Json, Refusal, no_such
 from rota.web.store.database import (
     Database,
     contents_of,
@@ -45,7 +45,7 @@ def upload_contents(database: Database, upload: str) -> dict[str, bytes]:
 def _files_of_upload(connection: sqlite3.Connection, upload: str) -> dict[str, str]:
     row = connection.execute("SELECT files FROM uploads WHERE id = ?", (upload,)).fetchone()
     if row is None:
-        raise not_found("upload", upload)
+        raise no_such("upload", upload)
     files: dict[str, str] = json.loads(row[0])
     return files
 
@@ -110,7 +110,7 @@ def delete_mission(database: Database, mission: str) -> None:
     """Delete a mission; its plans and jobs stay."""
     with database.transaction() as cursor:
         if not cursor.execute("DELETE FROM missions WHERE id = ?", (mission,)).rowcount:
-            raise not_found("mission", mission)
+            raise no_such("mission", mission)
         clean_files(cursor)
 
 
@@ -161,7 +161,7 @@ def mission_files(database: Database, mission: str) -> dict[str, bytes]:
 def _row(connection: sqlite3.Connection, mission: str) -> sqlite3.Row:
     row: sqlite3.Row | None = connection.execute("SELECT * FROM missions WHERE id = ?", (mission,)).fetchone()
     if row is None:
-        raise not_found("mission", mission)
+        raise no_such("mission", mission)
     return row
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rota.files.mission_changes import changes
-from rota.web.refusal import Json, Refusal, not_found
+from rota.web.refusal import Json, Refusal, no_such
 from rota.web.store.database import Database, new_id, now
 
 MOST_MADE = 6  # playbacks and pictures kept of a plan
@@ -119,7 +119,7 @@ def plan_json(database: Database, plan: str) -> Json:
     """A plan as lists show it."""
     row = database.connection().execute(f"{_LISTED} WHERE plans.id = ?", (plan,)).fetchone()
     if row is None:
-        raise not_found("plan", plan)
+        raise no_such("plan", plan)
     return _show(row)
 
 
@@ -143,7 +143,7 @@ def delete_plan(database: Database, plan: str) -> None:
     """Delete a plan and what was made of it."""
     with database.transaction() as cursor:
         if not cursor.execute("DELETE FROM plans WHERE id = ?", (plan,)).rowcount:
-            raise not_found("plan", plan)
+            raise no_such("plan", plan)
         cursor.execute("UPDATE jobs SET plan = NULL WHERE plan = ?", (plan,))
         cursor.execute("UPDATE jobs SET best_plan = NULL WHERE best_plan = ?", (plan,))
 
@@ -173,7 +173,7 @@ def _row(database: Database, plan: str, columns: str) -> sqlite3.Row:
         database.connection().execute(f"SELECT {columns} FROM plans WHERE id = ?", (plan,)).fetchone()
     )
     if row is None:
-        raise not_found("plan", plan)
+        raise no_such("plan", plan)
     return row
 
 

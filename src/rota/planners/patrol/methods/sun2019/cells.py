@@ -61,7 +61,7 @@ class Cells:
         """The middle of each cell's corners, (m, 2) metres."""
         return np.asarray(self.table.centres)
 
-    def chosen(self, keep: Ints) -> Cells:
+    def choose(self, keep: Ints) -> Cells:
         """Only the cells of these ascending numbers (k,)."""
         return _cells(self.lattice, self.shapes[keep], self.square[keep])
 

@@ -124,7 +124,7 @@ def _visit_task(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice
         spot = region.shape.representative_point()
         raise NoPlanFound(f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f})")
     spot = max(where.geoms, key=lambda part: float(part.area)).representative_point()
-    none = cells_of(region.shape, lattice, hidden=MultiPolygon(), border="clipped").chosen(np.zeros(0, dtype=np.int64))
+    none = cells_of(region.shape, lattice, hidden=MultiPolygon(), border="clipped").choose(np.zeros(0, dtype=np.int64))
     return ZoneTasks(
         name=region.name, period_s=region.period_s, cells=none, tasks=(), unseeable=np.zeros(0, dtype=np.int64),
         spot_m=(float(spot.x), float(spot.y)),
@@ -150,19 +150,19 @@ def _task(cells: Cells, number: Ints, space: MultiPolygon, ground: Ground) -> tu
     """The task to cover the cells of these numbers from places in the space, and the numbers that no place sees."""
     if not len(number) or space.is_empty:
         return None, number
-    wanted = cells.chosen(number)
+    wanted = cells.choose(number)
     places_m = _places(wanted, space, ground)
     start, items = cells_seen_from(places_m, wanted, ground)
     seen = np.zeros(len(wanted), dtype=bool)
     seen[items] = True
     if not seen.all():
-        further_m = _further_places(wanted.chosen(np.flatnonzero(~seen)), space, ground)
+        further_m = _further_places(wanted.choose(np.flatnonzero(~seen)), space, ground)
         places_m = np.vstack([places_m, further_m])
         seen[cells_seen_from(further_m, wanted, ground)[1]] = True
     if not seen.any():
         return None, number
     if not seen.all():
-        wanted = wanted.chosen(np.flatnonzero(seen))
+        wanted = wanted.choose(np.flatnonzero(seen))
     start, items = cells_seen_from(places_m, wanted, ground)
     useful = np.diff(start) > 0
     start, items = np.append(0, np.cumsum(np.diff(start)[useful])), items
