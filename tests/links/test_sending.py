@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncGenerator
 from typing import Any
 
 import pytest
 from tests.links.fleets import routes_of, three
 
 from rota.errors import LinkError
+from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.sending import command_all, first_reports, routes_for, send_all, start_all
 from rota.routes.route import Route
@@ -148,3 +150,16 @@ def test_first_reports_are_waited_for() -> None:
     link: Any = Recording()
     asyncio.run(first_reports(link, link.robots))
     assert all(link.latest(robot) is not None for robot in "abc")
+
+
+def test_those_that_say_nothing_are_waited_for_no_longer_than_one_says() -> None:
+    class Silent(Recording):
+        def latest(self, robot: str) -> Report | None:
+            return None
+
+        async def reports(self) -> AsyncGenerator[Report, None]:
+            await asyncio.sleep(60)
+            yield None  # type: ignore[misc]
+
+    link: Any = Silent()
+    asyncio.run(asyncio.wait_for(first_reports(link, link.robots, 0.05), 20))

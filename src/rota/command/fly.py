@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 FAR_FROM_START_M = 20.0  # from where its route begins; nothing has been planned for a robot's way there
 LONGEST_ANSWER = 1000  # bytes
+FIRST_PLACE_S = 60.0  # that copters have which were just switched on, until they know where they are
 
 
 def fly(
@@ -128,7 +129,10 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
         async with open_link(link):
             routes = routes_for(plan, link)
             await send_all(link, routes)
-            await first_reports(link, [route.robot for route in routes])
+            await first_reports(link, link.robots)
+            if link.flies and (silent := [name for name in link.robots if link.latest(name) is None]):
+                say(f"waiting for {', '.join(silent)} to say where it is")
+                await first_reports(link, silent, FIRST_PLACE_S)
             flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
             typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
             for told in along.tell_before() if along is not None else ():

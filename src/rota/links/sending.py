@@ -105,13 +105,13 @@ async def command_all(command: Callable[[str], Awaitable[None]], robots: Iterabl
         raise LinkError("\n".join(map(str, faults)))
 
 
-async def first_reports(link: Link, robots: Iterable[str]) -> None:
-    """Take reports until each robot has sent one, or for ``FIRST_REPORT_S``."""
+async def first_reports(link: Link, robots: Iterable[str], most_s: float = FIRST_REPORT_S) -> None:
+    """Take reports until each robot has sent one, or for so long."""
     silent = {robot for robot in robots if link.latest(robot) is None}
     if not silent:
         return
     try:
-        async with asyncio.timeout(FIRST_REPORT_S), aclosing(link.reports()) as reports:
+        async with asyncio.timeout(most_s), aclosing(link.reports()) as reports:
             async for report in reports:
                 silent.discard(report.robot)
                 if not silent:
