@@ -17,7 +17,6 @@ from rota.planning.plan_summary import (
     robots_sentence,
     robots_table,
     round_off,
-    zones_served,
 )
 
 MISSION = Mission(
@@ -42,7 +41,8 @@ def there_and_back(x0: float, y0: float, x1: float, y1: float, loop_s: float = 1
 
 
 def served(trajectory: Trajectory, mission: Mission = MISSION) -> tuple[str, ...]:
-    return zones_served(Plan(mission=mission, trajectories=(trajectory,)), trajectory)
+    (row,) = robot_rows(Plan(mission=mission, trajectories=(trajectory,)))
+    return row.zones
 
 
 def test_a_zone_within_reach_of_the_loop_is_served_and_the_approach_does_not_count() -> None:

@@ -43,17 +43,6 @@ def robot_rows(plan: Plan) -> tuple[RobotRow, ...]:
     return tuple(_row(plan.mission, trajectory, demands) for trajectory in plan.trajectories)
 
 
-def zones_served(plan: Plan, trajectory: Trajectory) -> tuple[str, ...]:
-    """Names of the zones (and ``AREA``) that the robot's loop serves, in the mission's order.
-
-    A zone is served by a loop that comes within the sensor's reach of it (for a "visit" demand: into it) and takes no
-    longer than its period, or does so on each of its rounds, none of which takes longer. A loop longer than every
-    period that it passes serves all of them together with other robots. Sight lines are not looked at: the check does
-    that. Zones without a period are not listed.
-    """
-    return _zones_and_slack(plan.mission, trajectory, _demands(plan.mission))[0]
-
-
 def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) -> RobotRow:
     zones, slack = _zones_and_slack(mission, trajectory, demands)
     return RobotRow(

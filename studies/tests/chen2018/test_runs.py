@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import shapely
-from shapely import Point
+from shapely import MultiPolygon, Point, box
+from tests.planners.swarm.conftest import in_box
+from tests.planners.swarm.test_last_filter import wishing
 
+from rota.planners.swarm.metrics import Observer
 from rota.planners.swarm.planner import run_mission
 from rota_studies.chen2018 import maps, paper
 from rota_studies.chen2018.dense import closest_approach_m, dense_contacts, dense_state
-from rota_studies.chen2018.runs import EXACT, FILTERED, SETTLE, Job, Runs, obstacle_distances_m
+from rota_studies.chen2018.runs import EXACT, FILTERED, SETTLE, Job, Runs, obstacle_distances_m, settled_step
 from rota_studies.study_runs import StudyStopped
 
 
@@ -96,3 +100,19 @@ def test_dense_states_do_not_touch_and_the_filter_keeps_it_so() -> None:
     assert contacts > 10
     assert least_m < 1
     assert dense_contacts(FILTERED.settings, seed=8, tried=100)[0] == 0
+
+
+def test_a_run_that_was_cut_off_has_settled_only_after_a_while_without_change() -> None:
+    wish = np.array([[-2.0, 0], [0.0, 0]])
+    swarm = in_box([[0.9, 125], [125, 125]], decide=wishing(wish), safe=False)
+    observer = Observer(swarm, MultiPolygon([box(0, 0, 250, 250)]), 1e-5)
+    for step in range(60):
+        if step == 44:
+            wish[0] = 0.0
+        swarm.step()
+        observer.note(0.0)
+        if step + 1 == 50:  # the coverage changed up to step 42, more than three quarters of the run
+            assert settled_step(observer.history(), 0.0005, at_rest=False) == math.inf
+            assert settled_step(observer.history(), 0.0005, at_rest=True) == 42
+    assert settled_step(observer.history(), 0.0005, at_rest=False) == 42
+    assert settled_step(observer.history(), 1.0, at_rest=False) == 0

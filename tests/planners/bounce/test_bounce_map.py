@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 import scipy.sparse
+from benchmarks.bounce_joint_maps import tell_apart
 from hypothesis import given, settings, strategies as st
 from maps import PlainTeam, typed_cells
 from scipy.sparse import csgraph
@@ -20,7 +21,6 @@ from rota.planners.bounce.bounce_map import (
     make_team,
     require_memory,
     single_map,
-    tell_apart,
 )
 
 SMALL = ".#.\n...\n..#"

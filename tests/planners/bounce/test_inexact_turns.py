@@ -17,8 +17,8 @@ from rota.planners.bounce.inexact_turns import (
     estimate,
     make_crew,
     run_crew,
-    starts_anywhere,
 )
+from rota_studies.alam2020.inexact import starts_anywhere
 
 Floats = NDArray[np.float64]
 

@@ -19,7 +19,6 @@ from rota.planners.bounce.map_kernels import (
     NOWHERE as NOWHERE,
     decompose,
     pair_successors,
-    rounds_to_order,
     set_successors,
     strip_labels,
     successors,
@@ -168,18 +167,3 @@ def cycles_and_basins(successor: Any) -> Decomposition:
     strip_labels(labels)
     first, length, basin = cycles[: progress[2]].T.copy()
     return Decomposition(cycle=labels.view(np.int32), first=first, length=length, basin=basin)
-
-
-def tell_apart(team: Team, decomposition: Decomposition) -> tuple[Longs, Longs, Longs]:
-    """Cycles of robots that are told apart, from the decomposition of the unordered map.
-
-    Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. Over a cycle of
-    sets lie m! / r cycles of the ordered map, each r times as long and with r times its basin. Returns their number,
-    length and basin, (c,) each. The unordered map has about m! times fewer states.
-    """
-    m, s = len(team.bumped), len(team.x)
-    cycles = np.ascontiguousarray(np.column_stack([decomposition.first, decomposition.length]))
-    states, after, begin = (np.empty(m, np.int32) for _ in range(3))
-    rounds = np.empty(len(cycles), np.int64)
-    rounds_to_order(team, binomials(s, m), cycles, states, after, np.empty(m, np.int8), begin, rounds)
-    return math.factorial(m) // rounds, decomposition.length * rounds, decomposition.basin * rounds

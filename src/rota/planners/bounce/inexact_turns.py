@@ -91,12 +91,6 @@ class InexactRuns:
         """The share of all cells that a run has entered by then."""
         return estimate((self.entered_s <= after_s).mean(axis=1))
 
-    def least_seen(self, after_s: float) -> Estimate:
-        """The chance of the cell least often entered by then."""
-        seen = self.entered_shares(after_s)
-        worst = (self.entered_s[:, int(seen.argmin())] <= after_s).astype(np.float64)
-        return estimate(worst)
-
     def cover_times_s(self) -> Floats:
         """(r,) when each run had entered all cells, inf: not while it lasted."""
         return np.asarray(self.entered_s.max(axis=1))
@@ -208,23 +202,3 @@ def _sides(shape: MultiPolygon) -> Floats:
     """(k, 4) sides of all rings."""
     rings = [np.asarray(ring.coords)[:, :2] for part in shape.geoms for ring in (part.exterior, *part.interiors)]
     return np.concatenate([np.hstack([points[:-1], points[1:]]) for points in rings])
-
-
-def starts_anywhere(crew: Crew, cells: Cells, runs: int, seed: int) -> Floats:
-    """(runs, m, 3) random starts: centres of cells, bodies apart, any of the cells' headings.
-
-    Raises MissionError where no room is found for so many bodies.
-    """
-    rng = np.random.default_rng(seed)
-    m = len(crew.bounces_rad)
-    starts = np.empty((runs, m, 3))
-    starts[:, :, 2] = rng.integers(0, cells.headings, (runs, m)) * (2 * math.pi / cells.headings)
-    waiting = np.arange(runs)
-    for _ in range(1000):
-        starts[waiting, :, :2] = cells.centres_m[rng.integers(0, cells.count, (len(waiting), m))]
-        places = starts[waiting, :, :2]
-        gaps = np.hypot(*np.moveaxis(places[:, :, None] - places[:, None], -1, 0))
-        waiting = waiting[((gaps < crew.apart_m) & ~np.eye(m, dtype=bool)).any(axis=(1, 2))]
-        if not len(waiting):
-            return starts
-    raise MissionError(f"no room was found for {m} bodies on {cells.count} cells; give fewer robots")

@@ -227,44 +227,6 @@ def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: 
 
 
 @allocation_free
-def rounds_to_order(
-    team: Team, choose: Longs, cycles: Longs, states: Ints, after: Ints, stays: Stays, begin: Ints, rounds: Longs
-) -> None:
-    """How many times round its cycle a set of states must go until every robot is back in its own state.
-
-    cycles: (c, 2), rank of a state and length of each. rounds: (c,), written. The others: (m,) scratch.
-    """
-    m = len(states)
-    for c in range(len(cycles)):
-        rank = cycles[c, 0]
-        for i in range(m - 1, -1, -1):
-            low, high = i, len(choose) - 1  # the largest state of which no more than rank sets are below
-            while high - low > 1:
-                middle = (low + high) // 2
-                if choose[middle, i + 1] <= rank:
-                    low = middle
-                else:
-                    high = middle
-            states[i] = low
-            rank -= choose[low, i + 1]
-        for i in range(m):
-            begin[i] = states[i]
-        turns = 0
-        while True:
-            for _ in range(cycles[c, 1]):
-                step_team(team, states, stays, after)
-                for i in range(m):
-                    states[i] = after[i]
-            turns += 1
-            same = True
-            for i in range(m):
-                same = same and states[i] == begin[i]
-            if same:
-                break
-        rounds[c] = turns
-
-
-@allocation_free
 def strip_labels(labels: Any) -> None:
     """Turn LABEL + number into the number; NOWHERE becomes -1 when read as int32."""
     for k in range(len(labels)):

@@ -18,7 +18,6 @@ Floats = NDArray[np.float64]
 
 PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
 MOST_PIXELS = 1_000_000
-PLATEAU = 0.25  # of a run that was cut off, over which its coverage must not have changed to count as settled
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,16 +56,6 @@ class History:
             step = self.first_step + k
             lines.append(",".join((str(step), repr(step * self.time_step_s), *map(repr, row))))
         return "\n".join(lines) + "\n"
-
-    def settled_step(self, within: float = 0.005, *, at_rest: bool) -> float:
-        """The step from which on the coverage stays within a share of its last value, half a point by default.
-
-        at_rest: whether the run ended by itself. The last value of a run that was cut off counts only where the
-        coverage has stayed there for the last ``PLATEAU`` of its steps; else the result is inf.
-        """
-        away = np.flatnonzero(np.abs(self.coverage - self.coverage[-1]) > within)
-        step = int(away[-1]) + 1 if len(away) else 0
-        return step if at_rest or step <= (1 - PLATEAU) * self.steps else math.inf
 
 
 class Observer:

@@ -8,16 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.inexact_turns import (
+    Crew,
     Estimate,
     InexactRuns,
     TurningError,
+    estimate,
     make_crew,
     run_crew,
-    starts_anywhere,
 )
 from rota_studies.alam2020 import maps
 from rota_studies.alam2020.runs import Runs
@@ -82,12 +84,13 @@ class Room:
             runs.now(f"figure 12: {angle_deg:g}°, turns {told}")
             found = self._run(runs, angle_deg, ERRORS[told], steps)
             after_s = steps * self.step_s
-            each = (found.entered_s <= after_s).mean(axis=1)
+            each, cells = (found.entered_s <= after_s).mean(axis=1), found.entered_shares(after_s)
+            seldom_entered = found.entered_s[:, int(cells.argmin())] <= after_s
             return Seen(
                 mean=found.mean_seen(after_s),
-                least=found.least_seen(after_s),
+                least=estimate(seldom_entered.astype(np.float64)),
                 batches=np.array([batch.mean() for batch in np.array_split(each, BATCHES)]),
-                cells=found.entered_shares(after_s),
+                cells=cells,
                 curve=np.array([
                     found.mean_seen(step * self.step_s).value for step in np.linspace(0, steps, CURVE_POINTS)
                 ]),
@@ -121,3 +124,23 @@ class Room:
         )  # fmt: skip
         starts = starts_anywhere(crew, self.cells, int(share * runs.settings.walks), runs.seed)
         return run_crew(crew, error, starts, duration_s=steps * self.step_s, seed=runs.seed, cells=self.cells)
+
+
+def starts_anywhere(crew: Crew, cells: Cells, runs: int, seed: int) -> Floats:
+    """(runs, m, 3) random starts: centres of cells, bodies apart, any of the cells' headings.
+
+    Raises MissionError where no room is found for so many bodies.
+    """
+    rng = np.random.default_rng(seed)
+    m = len(crew.bounces_rad)
+    starts = np.empty((runs, m, 3))
+    starts[:, :, 2] = rng.integers(0, cells.headings, (runs, m)) * (2 * math.pi / cells.headings)
+    waiting = np.arange(runs)
+    for _ in range(1000):
+        starts[waiting, :, :2] = cells.centres_m[rng.integers(0, cells.count, (len(waiting), m))]
+        places = starts[waiting, :, :2]
+        gaps = np.hypot(*np.moveaxis(places[:, :, None] - places[:, None], -1, 0))
+        waiting = waiting[((gaps < crew.apart_m) & ~np.eye(m, dtype=bool)).any(axis=(1, 2))]
+        if not len(waiting):
+            return starts
+    raise MissionError(f"no room was found for {m} bodies on {cells.count} cells; give fewer robots")

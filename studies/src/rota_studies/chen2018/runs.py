@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission
-from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.metrics import History, covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of, squares_of
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota_studies import records
@@ -25,6 +25,7 @@ from rota_studies.study_runs import StudyRuns
 Floats = NDArray[np.float64]
 Longs = NDArray[np.int64]
 
+PLATEAU = 0.25  # of a run that was cut off, over which its coverage must not have changed to count as settled
 DRAWN_PLACES = 5_000  # of one run: so many places at most, evenly spread over its steps
 SPARSE, SPARSE_STEPS = 100, 10  # steps between them, from which on only so many of those that tables name are drawn
 MOMENTS = (40, 50, 100, 200, 300, 500, 574, 1000, 2000, 3000)
@@ -232,7 +233,7 @@ def outcome_of(mission: Mission, run: SwarmRun, *, drawn: bool = False) -> Outco
         steps=run.steps,
         at_rest=run.at_rest,
         coverage=covered_in(mission, places[-1]),
-        settled=history.settled_step(at_rest=run.at_rest),
+        settled=settled_step(history, at_rest=run.at_rest),
         least_m=float(history.body_gap_m.min()) + 2 * paper.BODY_M,
         obstacle_m=_to_obstacles_m(mission, run),
         lost=int(history.outside.max()),
@@ -256,6 +257,17 @@ def places_at_steps(mission: Mission, run: SwarmRun, steps: Longs) -> Floats:
         for axis in (0, 1):
             places[:, k, axis] = np.interp(times_s, trajectory.times_s, trajectory.positions_m[:, axis])
     return places
+
+
+def settled_step(history: History, within: float = 0.005, *, at_rest: bool) -> float:
+    """The step from which on the coverage stays within a share of its last value, half a point by default.
+
+    at_rest: whether the run ended by ithistory. The last value of a run that was cut off counts only where the
+    coverage has stayed there for the last ``PLATEAU`` of its steps; else the result is inf.
+    """
+    away = np.flatnonzero(np.abs(history.coverage - history.coverage[-1]) > within)
+    step = int(away[-1]) + 1 if len(away) else 0
+    return step if at_rest or step <= (1 - PLATEAU) * history.steps else math.inf
 
 
 def _to_obstacles_m(mission: Mission, run: SwarmRun) -> float:

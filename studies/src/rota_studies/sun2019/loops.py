@@ -9,7 +9,7 @@ from shapely import LineString, Point
 from rota.draw.routes import Route, routes_of
 from rota.model.mission import AREA
 from rota.model.plan import Plan
-from rota.planning.plan_summary import zones_served
+from rota.planning.plan_summary import robot_rows
 from rota_studies.sun2019.results import Loop
 
 
@@ -29,7 +29,7 @@ def _kept_zone(plan: Plan, route: Route) -> str | None:
     line = LineString(route.loop_m) if len(route.loop_m) > 1 else Point(route.loop_m[0])
     inside_m = {zone.name: float(line.intersection(zone.shape).length) for zone in mission.zones}
     inside_m[AREA] = route.length_m - sum(inside_m.values())
-    served = zones_served(plan, plan.trajectories[route.robots[0]])
+    served = robot_rows(plan)[route.robots[0]].zones
     if len(route.robots) > 1:
         every_s, reach_m = route.duration_s / len(route.robots), mission.fleet.sensor.reach_m
         near = [zone.name for zone in mission.zones if line.distance(zone.shape) < reach_m]
