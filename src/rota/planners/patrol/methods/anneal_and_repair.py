@@ -25,7 +25,8 @@ def anneal_and_repair(context: Context, search: Annealed, *, seed: int) -> Itera
     """
     settings = context.settings.alternation
     least_excess = math.inf
-    for attempt in range(settings.attempts):
+    attempts = 1 if context.problem.robot.motion.has_mass else settings.attempts  # a second one passes too rarely
+    for attempt in range(attempts):
         excess = yield from attempt_with_seed(context, search, seed=seed + SEEDS_APART * attempt)
         least_excess = min(excess, least_excess)
         if math.isinf(excess) or least_excess > settings.retry_limit or context.should_stop():

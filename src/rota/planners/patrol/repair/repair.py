@@ -120,7 +120,7 @@ def repair_until_feasible(
     Returns the last state that was judged.
     """
     settings, bends = context.settings.repair, annealed and can_bend(context.problem)
-    stuck, reroutes, unmet_before = 0, 0, -1
+    stuck, reroutes, unmet = 0, 0, list[int]()
     if may_add and context.problem.is_ragged:
         problem, tours = clear_of_who_stays(context.problem, tours)
         context = replace(context, problem=problem)
@@ -143,12 +143,11 @@ def repair_until_feasible(
         new = repaired.extra[np.arange(len(extra), len(repaired.extra))]
         if may_add and context.problem.is_ragged and len(new):
             context = replace(context, problem=with_room_to_see(context.problem, new.xy_m))
-        unmet = len(repaired.verdict.unmet_points_m)
-        stuck = stuck + 1 if unmet == unmet_before else 0
-        unmet_before = unmet
+        unmet.append(len(repaired.verdict.unmet_points_m))
+        stuck = stuck + 1 if unmet[-1:] == unmet[-2:-1] else 0
         if repaired.sees_all or turn == rounds or stuck == settings.stuck_rounds or context.should_stop():
             break
-        if not may_add and excess > 0 and not goes_on_over_budget:
+        if (not may_add and excess > 0 and not goes_on_over_budget) or (bends and hardly_falls(context.problem, unmet)):
             break
         if len(new):
             again = new if stuck else asked_again(context.problem, extra, new)
@@ -162,6 +161,11 @@ def repair_until_feasible(
             break
         tours, reroutes, stuck, led_elsewhere = apart, reroutes + 1, 0, True
     return repaired
+
+
+def hardly_falls(problem: Problem, unmet: Sequence[int]) -> bool:
+    """Whether three rounds have not halved the places that are unmet; robots with mass then hardly ever pass."""
+    return problem.robot.motion.has_mass and len(unmet) == 3 and 2 * unmet[2] > unmet[0]
 
 
 def seeing_all(

@@ -15,7 +15,7 @@ from rota.errors import NoPlanFound
 from rota.model.mission import DiscSensor, Mission, Sensor
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.methods.fewest.one_fewer import one_fewer
+from rota.planners.patrol.methods.fewest.one_fewer import give_up_robots
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import reaches
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -45,7 +45,7 @@ def with_longer_headways(context: Context, best: Repaired) -> Repaired:
         except NoPlanFound:
             break  # a sensor that reaches less far leaves too much out of sight
         context.progress(0.9, f"trying {best.robots - 1} robots farther apart")
-        smaller = one_fewer(easier, on_other_terms(best, context.problem, easier.problem))
+        smaller = give_up_robots(easier, on_other_terms(best, context.problem, easier.problem))
         if smaller is None:
             break
         best = on_other_terms(smaller, easier.problem, context.problem)
@@ -77,7 +77,7 @@ def with_time_in_sight(context: Context, seen_m: float) -> Context:
 
 def mission_with_longer_headways(mission: Mission, seen_m: float) -> Mission:
     """The mission with all periods but those of visits longer by ``seen_m`` metres, and sensors that reach less far."""
-    longer_s = seen_m / mission.fleet.speed_m_s
+    longer_s = seen_m / mission.fleet.equal_robot("any").ground_speed_m_s
     zones = tuple(
         zone if zone.period_s is None or zone.demand == "visit" else replace(zone, period_s=zone.period_s + longer_s)
         for zone in mission.zones

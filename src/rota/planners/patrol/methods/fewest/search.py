@@ -11,7 +11,7 @@ from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
-from rota.planners.patrol.methods.fewest.one_fewer import one_fewer
+from rota.planners.patrol.methods.fewest.one_fewer import give_up_robots
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
@@ -20,6 +20,7 @@ from rota.planners.patrol.verdict import never_seen
 
 WORK: dict[Effort, float] = {"quick": 1.0, "normal": 2.0, "high": 6.0}  # time that each takes, measured on the harbour
 SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
+NEAR = 2  # more robots than likely: from there, a team of one robot less is as good a first try as the likely one
 
 
 def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
@@ -75,22 +76,27 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     likely = max(context.enough_robots, likely)
     turns_on_spot = context.problem.robot.turn_radius_m == 0  # annealing and repairing curves again takes long
     if best is not None and best.robots <= SPARED * likely and turns_on_spot:
-        best = without_spare_robots(context, best)
-    if best is None or not best.met or best.robots > likely + 1:
+        best = without_spare_robots(context, best, likely)
+    if best is None or not best.met or best.robots > likely + NEAR:
         best = search_upwards(context, groupings, likely, best)
         if best.robots > likely:
             return best  # smaller teams were tried on the way up
     return search_downwards(context, groupings, best)
 
 
-def without_spare_robots(context: Context, best: Repaired) -> Repaired:
-    """The last plan that passes when the tours of the best one so far give up one robot after the other."""
-    while best.met and best.robots > context.enough_robots and not context.should_stop():
-        context.progress(0.1, f"trying {best.robots - 1} robots")
-        smaller = one_fewer(context, best)
-        if smaller is None:
+def without_spare_robots(context: Context, best: Repaired, likely: int) -> Repaired:
+    """The last plan that passes when the tours of the best one so far give up robots.
+
+    They give up half of those beyond the likely team size at once, or one.
+    """
+    fewer = max(1, (best.robots - likely) // 2)
+    while best.met and best.robots - fewer >= context.enough_robots and not context.should_stop():
+        context.progress(0.1, f"trying {best.robots - fewer} robots")
+        smaller = give_up_robots(context, best, fewer)
+        if smaller is None and fewer == 1:
             break
-        best = smaller
+        best = smaller or best
+        fewer = 1 if smaller is None else max(1, (best.robots - likely) // 2)
     return best
 
 
