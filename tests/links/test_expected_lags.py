@@ -50,7 +50,7 @@ def test_nothing_is_known_of_other_vehicles_and_of_plans_without_waypoints() -> 
     assert way is not None
     assert lags_on_round(way, replace(made.robot, motion=AT_ONCE), 25.0) is None
     assert lags_on_round(replace(way, waypoints=None), made.robot, 25.0) is None
-    longest = made.begun_at_a_corner("a", np.array([[0.0, 0.0], [30_000.0, 0.0], [30_000.0, 20.0], [0.0, 20.0]]), 0.0)
+    longest = made.begin_at_a_corner("a", np.array([[0.0, 0.0], [30_000.0, 0.0], [30_000.0, 20.0], [0.0, 20.0]]), 0.0)
     assert longest is not None
     assert lags_on_round(longest, made.robot, 25.0) is None  # motion is worked out for 20,000 s
 
