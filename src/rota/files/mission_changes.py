@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from rota.files.shape_schema import Area
+from rota.model.fields import UNITS, fields_of, unit_of
 from rota.model.planner_registry import planner_names
 
 Json = dict[str, Any]
@@ -12,14 +14,7 @@ Json = dict[str, Any]
 # names change nothing of a plan; lists show the planner of each plan
 _NO_CHANGE = ("rota", "name", "planner")
 _SEARCH_ONLY = ("patrol",)  # its settings say how to search; what a plan of it must hold stands outside of them
-_UNITS = {
-    "_m_s3": " m/s³", "_m_s2": " m/s²", "_m_s": " m/s", "_rad_s": " rad/s",
-    "_deg": "°", "_s": " s", "_m2": " m²", "_m": " m",
-}  # fmt: skip
-_SHAPE = (
-    "ring", "outer", "holes", "circle", "wkt", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text",
-    "cell_m",
-)  # fmt: skip
+_SHAPE = tuple(item.name for item in fields_of(Area))
 _SINGLE = {"zones": "zone", "obstacles": "obstacle", "moving_obstacles": "moving obstacle"}
 _WORDS = {"period_s": "area period", "importance": "importance of the ground"}
 
@@ -139,9 +134,10 @@ def _show(value: Any) -> str:
 
 
 def _unit(key: str) -> str:
-    return next((unit for suffix, unit in _UNITS.items() if key.endswith(suffix)), "")
+    unit = unit_of(key)
+    return unit if unit in ("", "°") else f" {unit}"
 
 
 def _words(key: str) -> str:
-    suffix = next((suffix for suffix in _UNITS if key.endswith(suffix)), "")
+    suffix = next((suffix for suffix in UNITS if key.endswith(suffix)), "")
     return key.removesuffix(suffix).replace("_", " ")
