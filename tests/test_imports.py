@@ -152,6 +152,7 @@ def test_compiled_loops_live_in_kernels_files_only() -> None:
     # numba's own njit keeps code that cannot find what it calls in another process: use @kernel of rota.compiled.kernel
     elsewhere = {
         "rota.compiled.by_reference",
+        "rota.compiled.code_libraries",
         "rota.compiled.bits",
         "rota.compiled.kernel",
         "rota.planners.swarm.cuda_kernels",

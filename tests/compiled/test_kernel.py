@@ -145,3 +145,18 @@ def test_a_kernel_is_compiled_alike_for_whoever_calls_it() -> None:
 
 def test_a_kernel_is_pickled_by_its_name() -> None:
     assert pickle.loads(pickle.dumps(cells_of_edges)) is cells_of_edges
+
+
+def test_what_kernels_call_has_one_form_for_all_numbers_and_no_machine_code_of_its_own() -> None:
+    @kernel
+    def sum_of(number, other):  # type: ignore[no-untyped-def]
+        return number + other
+
+    @kernel
+    def more(number):  # type: ignore[no-untyped-def]
+        return sum_of(number, 1) + sum_of(number, 2)
+
+    assert more(3) == 9
+    (form,) = sum_of.overloads.values()
+    assert form.library.get_pointer_to_function(form.fndesc.llvm_func_name) == 0
+    assert sum_of(3, 4) == 7  # Python's call gives it some

@@ -8,6 +8,7 @@ What numba does, and what is otherwise here:
   none; it gets one when Python calls it.
 - Each function is compiled again within each of its callers. Here a ``noinline`` kernel is compiled once, and its
   callers, which may be in the cache, find it by its name. Such names tell the contents (``_key``).
+- What callers take in becomes machine code within them alone (``code_libraries``).
 - Options of the outermost caller pass to what it calls. Here each kernel has its own, so that the same call always
   compiles the same code.
 """
@@ -39,6 +40,7 @@ from numba.np import linalg
 
 from rota.compiled.by_reference import Reference
 from rota.compiled.code_cache import discard_code, hold, read_code, write_code
+from rota.compiled.code_libraries import KernelFlags, give_environments, new_library, rebuild, take_in
 from rota.compiled.source_stamp import code_prefix, source_stamp
 
 Arguments = tuple[types.Type, ...]
@@ -77,9 +79,9 @@ def _kernel(function: Callable[..., Any], noinline: bool, options: dict[str, Any
 class _Pipeline(compiler.Compiler):
     """numba's own, but for the name of what it compiles, which is the same in all processes."""
 
-    def __init__(self, number: int, *rest: Any) -> None:
+    def __init__(self, number: int, is_taken_in: bool, *rest: Any) -> None:
         super().__init__(*rest)
-        self.number = number
+        self.number, self.is_taken_in = number, is_taken_in
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
         """Compile the function under its qualified name and this number."""
@@ -87,6 +89,7 @@ class _Pipeline(compiler.Compiler):
         identity.unique_id = self.number
         identity.unique_name = f"{identity.func_qualname}${self.number}"
         self.state.func_id = identity
+        self.state.library = new_library(self.state.targetctx, identity.func_qualname, is_taken_in=self.is_taken_in)
         ExtractByteCode().run_pass(self.state)
         self.state.lifted = ()
         self.state.lifted_from = None
@@ -101,12 +104,13 @@ class _Compiler(_FunctionCompiler):
     def _customize_flags(self, flags: compiler.Flags) -> compiler.Flags:
         flags.no_cpython_wrapper = not self.has_entry
         flags.no_cfunc_wrapper = True
-        return flags
+        return KernelFlags(flags)
 
-    def compile_as(self, number: int, has_entry: bool, args: Arguments, return_type: Any) -> Any:
+    def compile_as(self, number: int, has_entry: bool, is_taken_in: bool, args: Arguments, return_type: Any) -> Any:
         """The result of compiling for these types; what has the same number has the same code."""
-        self.has_entry, self.pipeline_class = has_entry, partial(_Pipeline, number)
-        return self.compile(args, return_type)
+        self.has_entry, self.pipeline_class = has_entry, partial(_Pipeline, number, is_taken_in)
+        with take_in(self.targetdescr.target_context):
+            return self.compile(args, return_type)
 
 
 class Kernel(CPUDispatcher):
@@ -147,6 +151,7 @@ class Kernel(CPUDispatcher):
         with global_compiler_lock:
             entry, self._python_calls = self._python_calls, False
             arguments, return_type = sigutils.normalize_signature(sig)
+            arguments = tuple(map(types.unliteral, arguments))  # one form for all numbers that stand in calls
             found = (self.entries if entry else self.overloads).get(tuple(arguments))
             return (found or self._form(tuple(arguments), return_type, entry)).entry_point
 
@@ -174,7 +179,7 @@ class Kernel(CPUDispatcher):
             needs, parts = pickle.loads(data)
             for module, qualname, arguments in pickle.loads(needs):
                 _kernel_named(module, qualname).compile(arguments)
-            result = compiler.CompileResult._rebuild(self.targetctx, *pickle.loads(parts))
+            result = rebuild(self.targetctx, pickle.loads(parts))
         except Exception:  # whatever it is: what does not load is of no use to anybody
             discard_code(name)
             return None
@@ -184,9 +189,12 @@ class Kernel(CPUDispatcher):
 
     def _compile_now(self, name: str, number: int, entry: bool, arguments: Arguments, return_type: Any) -> Any:
         """The form compiled now, and kept if the cache can be written."""
+        rtsys.initialize(self.targetctx)
         details = {"dispatcher": self, "args": arguments, "return_type": return_type}
         with self._compiling_counter, events.trigger_event("numba:compile", data=details):
-            result = self._compiler.compile_as(number, entry, arguments, return_type)
+            is_taken_in = not entry and not self.noinline
+            result = self._compiler.compile_as(number, entry, is_taken_in, arguments, return_type)
+        give_environments(result)
         if self.noinline:
             self.targetctx.remove_user_function(result.entry_point)
             self.targetctx.insert_user_function(result.entry_point, result.fndesc, ())

@@ -1,0 +1,136 @@
+# mypy: disallow-untyped-calls=False
+# mypy: disable-error-code="misc, attr-defined, no-any-return, assignment, method-assign"
+"""Code that becomes machine code, and code that its callers take in and that becomes machine code within them alone.
+
+numba optimises and emits whatever it compiles, each of its own small functions for arrays too, and then does so again
+within each caller. Here that is done once, where code is called by the interpreter or by name.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from numba.core import compiler
+from numba.core.codegen import JITCodeLibrary
+from numba.core.dispatcher import _FunctionCompiler
+from numba.core.runtime import rtsys
+
+OF_ENTRIES = ("no_cpython_wrapper", "no_cfunc_wrapper", "release_gil")  # flags of who calls, not of what is called
+# of the garbage collector: what is compiled stays, and looking through it all again and again took a sixth of the time
+YOUNG, MIDDLE, OLD = 100_000, 100, 1000
+
+
+class _WithoutEnvironments:
+    """The code generator of code that no interpreter calls: its constants of Python are given to what takes it in."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, env_name: str, env: Any) -> None:
+        """Nothing: there is no such place yet."""
+
+
+class TakenIn(JITCodeLibrary):
+    """Code that callers take in, kept as it was lowered; the interpreter cannot call it."""
+
+    @property
+    def codegen(self) -> Any:
+        """The code generator."""
+        return _WithoutEnvironments(self._codegen)
+
+    def finalize(self) -> None:
+        """Take in what the code calls, but for numba's own runtime, which whoever takes in this has already."""
+        self._linking_libraries = [library for library in self._linking_libraries if library is not rtsys.library]
+        super().finalize()
+
+    def _optimize_final_module(self) -> None:
+        """Nothing: callers optimise what they take in."""
+
+    def _finalize_final_module(self) -> None:
+        """As the class above, without the machine code."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> Any:
+        """The code for callers; there is no other."""
+        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+
+
+class KernelFlags(compiler.Flags):
+    """Flags that are equal where kernels can take in the same functions of numba's.
+
+    numba asks this at each call in each kernel, and would compare all flags one by one.
+    """
+
+    __slots__ = ("_key",)
+
+    def __hash__(self) -> int:
+        return hash(self._content())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, KernelFlags) and self._content() == other._content()
+
+    def _content(self) -> frozenset[tuple[str, str]]:
+        """What they say of the code that is taken in; nobody changes flags once they are asked for this."""
+        if not hasattr(self, "_key"):
+            told = ((name, value) for name, value in self._values.items() if name not in OF_ENTRIES)
+            self._key = frozenset((name, str(value)) for name, value in told if value != self.options[name].default)
+        return self._key
+
+
+def _flags_of_kernels(_: _FunctionCompiler, flags: compiler.Flags) -> compiler.Flags:
+    """How numba compiles its own functions for kernels: without what lets the interpreter or C call them."""
+    flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    return KernelFlags(flags)
+
+
+@contextmanager
+def take_in(context: Any) -> Iterator[None]:
+    """Whatever numba compiles meanwhile is taken in by kernels; under numba's lock, which keeps other threads out."""
+    customised, thresholds = _FunctionCompiler._customize_flags, gc.get_threshold()
+    _FunctionCompiler._customize_flags = _flags_of_kernels
+    gc.set_threshold(YOUNG, MIDDLE, OLD)
+    try:
+        with _libraries(context.codegen(), TakenIn):
+            yield
+    finally:
+        gc.set_threshold(*thresholds)
+        _FunctionCompiler._customize_flags = customised
+
+
+@contextmanager
+def _libraries(codegen: Any, made: type[JITCodeLibrary]) -> Iterator[None]:
+    """Let numba make libraries of this class."""
+    before = codegen._library_class
+    codegen._library_class = made
+    try:
+        yield
+    finally:
+        codegen._library_class = before
+
+
+def new_library(context: Any, name: str, *, is_taken_in: bool) -> Any:
+    """An empty library, of machine code or of code that callers take in."""
+    library = (TakenIn if is_taken_in else JITCodeLibrary)(context.codegen(), name)
+    library.enable_object_caching()
+    return library
+
+
+def give_environments(result: Any) -> None:
+    """Let machine code find the constants of Python of all that it has taken in."""
+    for environment in result._find_referenced_environments():
+        result.library.codegen.set_env(environment.env_name, environment)
+
+
+def rebuild(context: Any, parts: Any) -> Any:
+    """The result of compiling of which these are the parts, as numba's ``CompileResult._reduce`` gives them."""
+    (_, kind, _), *_ = parts
+    with _libraries(context.codegen(), TakenIn if kind == "bitcode" else JITCodeLibrary):
+        return compiler.CompileResult._rebuild(context, *parts)
