@@ -39,13 +39,13 @@ def test_all_drive_as_slowly_as_the_slowest_and_what_lapses_by_that_is_told() ->
     keeping = Keeping(two_robots(), slack)
     told = [notice for _, notices in looks(keeping, 400, 0.05) for notice in notices]
     assert keeping.rate == pytest.approx(0.95, abs=1e-3)
-    assert keeping.late_s(state("a", 20.0)) == pytest.approx(1.0, abs=0.2)
+    assert 0.2 < keeping.late_s(state("a", 20.0)) < 0.51  # it was a second late: all waited until it had caught up
     assert [(notice.kind, notice.about) for notice in told] == [("too slow", "a")]
     assert told[0].text == (
-        "a cannot keep up: 1.0 s late, at 0.95 of its pace; all go on at 0.95 of the plan's pace; at that pace left is"
+        "a cannot keep up: 0.9 s late, at 0.95 of its pace; all go on at 0.95 of the plan's pace; at that pace left is"
         " seen every 25.3 s of 25 s"
     )
-    assert keeping.behind_s == pytest.approx(19.0, abs=0.2)
+    assert keeping.behind_s == pytest.approx(19.6, abs=0.2)
     orders, _ = keeping.look(401.0, (state("a", 20.0), state("b", keeping.behind_s)))
     assert {order.behind_s for order in orders} == {keeping.behind_s}
     assert keeping.least_pace() == (pytest.approx(0.96), "left")

@@ -18,6 +18,8 @@ from rota.model.plan import Plan
 
 LATE_S = 1.0  # by which a robot is late before all wait for it
 EARLY_SHARE = 0.5  # of that, from which on they begin to
+CAUGHT_UP_S = 0.2  # by which one that all waited for is late when they no longer do
+GAINS = 1.25  # times what it loses all lose then, until it is late by less than they begin to wait for
 LOOKED_BACK_S = 40.0  # over which a robot's pace is measured at least, and half of that at the beginning
 LONGEST_LOOK_S = 120.0  # a robot that breaks down on a longer round is to be waited for in time
 LEAST_RATE = 0.5  # of the plan's clock: nobody waits for a robot that is slower
@@ -85,9 +87,9 @@ class Keeping:
             track.note(now_s, late_s + self.behind_s - own_s)
             orders.append((robot.name, late_s))
             pace, late_s = track.pace(), late_s - own_s
+            track.judge(late_s)
             if pace is not None and pace >= LEAST_RATE * self._most_rate:
-                share = (late_s - EARLY_SHARE * LATE_S) / ((1 - EARLY_SHARE) * LATE_S)
-                rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))
+                rates.append(1 - max(0.0, 1 - pace) * track.waited_share(late_s))
             told += self._standing(now_s, robot.name, track, late_s, pace)
         self.rate = max(min(LEAST_RATE, self._most_rate), min(rates))
         return [self._order(name, late_s) for name, late_s in orders], told
@@ -101,7 +103,7 @@ class Keeping:
         """That a robot cannot keep up, once, with what that leads to; and that it can again."""
         if pace is None:
             return []
-        track.late_since_s = min(track.late_since_s, now_s) if late_s >= LATE_S else math.inf
+        track.late_since_s = min(track.late_since_s, now_s) if track.is_late else math.inf
         slow = now_s - track.late_since_s >= TOLD_AFTER_S and pace < self._most_rate - NOTED
         if slow and not track.told_slow:
             track.told_slow = True
@@ -111,7 +113,7 @@ class Keeping:
             then = f"; at that pace {names_in_words(lapses)}" if lapses else "; nothing lapses by that" if waits else ""
             text = f"{name} cannot keep up: {late_s:.1f} s late, at {pace:.2f} of its pace; {others}{then}"
             return [_notice(now_s, "too slow", name, text, late_s=late_s, pace=pace)]
-        if track.told_slow and late_s < EARLY_SHARE * LATE_S:
+        if track.told_slow and not track.is_late:
             track.told_slow = False
             return [_notice(now_s, "keeps up", name, f"{name} keeps up again", late_s=late_s, pace=pace)]
         return []
@@ -148,10 +150,26 @@ class _Track:
         self._noted: deque[tuple[float, float]] = deque()
         self.told_slow = False
         self.late_since_s = math.inf
+        self.is_late = False
 
     def forget(self) -> None:
         self._noted.clear()
-        self.late_since_s = math.inf
+        self.late_since_s, self.is_late = math.inf, False
+
+    def judge(self, late_s: float) -> None:
+        """Note whether it is late by so much that all wait for it; then it is until it has caught up."""
+        self.is_late = late_s >= LATE_S or (self.is_late and late_s > CAUGHT_UP_S)
+
+    def waited_share(self, late_s: float) -> float:
+        """How much of what the robot loses all lose with it: the more, the later it is.
+
+        One that is as late as all wait for would stay so for ever: then they lose a little more than it.
+        """
+        begins_s = EARLY_SHARE * LATE_S
+        share = min(max((late_s - begins_s) / (LATE_S - begins_s), 0.0), 1.5)
+        if not self.is_late:
+            return share
+        return max(share, GAINS if late_s > begins_s else 1.0)
 
     def note(self, time_s: float, lag_s: float) -> None:
         self._noted.append((time_s, lag_s))
