@@ -164,6 +164,7 @@ def _placed_fewest(fleet: Fleet, block: Values, to_metres: _Metres) -> tuple[Fle
 
 
 def _placed_robots(fleet: Fleet, block: Values, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
+    """Listed robots at their own starts, or at the points in their order, and where each start stands."""
     assert fleet.robots is not None
     written: list[_Written | None] = [None] * len(fleet.robots)
     for k, robot in enumerate(listed_robots(block)):

@@ -68,6 +68,7 @@ def _way(
     ends_m: tuple[Place, Place],
     spaces: dict[float, tuple[MultiPolygon, ShortestPaths] | None],
 ) -> tuple[Place, ...]:
+    """The shortest way between two places that keeps as clear of walls as it can."""
     from_m, to_m = ends_m
     for clear_m in CLEAR_M:
         radius_m = body_m + clear_m

@@ -77,6 +77,7 @@ class ReportInbox:
     def _fault_of(
         self, now_s: float, robot: Any, time_s: Any, position_m: Any, battery: Any, mode: Any
     ) -> Fault | None:
+        """Why a report is not believed; None where it is."""
         if not isinstance(robot, str) or robot not in self._robots:
             return "unknown robot"
         if not isinstance(position_m, tuple | list) or len(position_m) != 3 or not (mode is None or _is_mode(mode)):

@@ -52,6 +52,7 @@ def parsed_settings(block: type[Settings], given: Iterable[str]) -> Settings:
 
 
 def _value(item: Setting, text: str) -> Any:
+    """A setting's value as its text says; text that is none is left to the settings to refuse."""
     if item.optional and text == "none":
         return None
     try:

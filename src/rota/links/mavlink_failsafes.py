@@ -47,6 +47,7 @@ async def read_parameters(vehicle: MavlinkVehicle, names: Iterable[str]) -> dict
 
 
 def _parameter(vehicle: MavlinkVehicle, name: str) -> float | None:
+    """A parameter's value, whatever its type; None where the vehicle does not have it."""
     from mavsdk.plugins.param import ParamError
 
     param = vehicle.plugin("param", "Param")
@@ -72,6 +73,7 @@ def told_of(
 
 
 def _told_of_ardupilot(has: Mapping[str, float], *, by_targets: bool, rally_points: int, own_id: int) -> Sequence[str]:
+    """What an ArduPilot does when the link is lost and beyond its fence, by its parameters."""
     action = int(has.get("FS_GCS_ENABLE", 0))
     goes_on = int(has.get("FS_OPTIONS", 0)) & GOES_ON_IN_AUTO and not by_targets
     stops = f"it stops after {has.get('GUID_TIMEOUT', 3.0):g} s and hovers" if by_targets else "it flies its mission on"
@@ -113,6 +115,7 @@ def _missing(has: Mapping[str, float]) -> Sequence[str]:
 
 
 def _told_of_px4(has: Mapping[str, float]) -> tuple[str, ...]:
+    """What a PX4 does when the link is lost and beyond its fence, by its parameters."""
     action = int(has.get("NAV_DLL_ACT", 0))
     after_s = has.get("COM_DL_LOSS_T", 10.0)
     does = PX4_LOST.get(action)

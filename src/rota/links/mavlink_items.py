@@ -65,6 +65,7 @@ def wire_items(route: Route, projection: Projection, autopilot: Autopilot) -> li
 
 
 def _whole_holds(items: Sequence[Item]) -> list[Item]:
+    """The items with whole seconds of holding; what rounding leaves over goes to the next hold."""
     left_s, rounded = 0.0, []
     for item in items:
         if item.command == WAYPOINT:
@@ -170,6 +171,7 @@ def rally_differences(sent: Sequence[WireItem], held: Sequence[WireItem]) -> lis
 
 
 def _item_difference(was: WireItem, have: WireItem, height_m: float) -> str:
+    """How an item that a vehicle holds differs from the one sent, in words; empty where it does not."""
     if (was.seq, was.command) != (have.seq, have.command):
         return f"it holds command {have.command} as item {have.seq}; {was.command} ({NAMES[was.command]}) was sent"
     name = NAMES[was.command]

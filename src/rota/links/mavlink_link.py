@@ -113,6 +113,7 @@ class MavlinkLink(RealTimeLink):
         await self._meet_all(self._connect)
 
     async def _connect(self, robot: str) -> None:
+        """Connect to the vehicle at a robot's address, and listen to it."""
         from mavsdk import ComponentType, Configuration, Mavsdk
 
         silence_mavsdk()
@@ -146,6 +147,7 @@ class MavlinkLink(RealTimeLink):
         return MavlinkVehicle(robot=robot, system=system, autopilot=autopilot, answer_s=self._settings.answer_s)
 
     def _listen(self, vehicle: MavlinkVehicle) -> None:
+        """Have the vehicle's place, battery and mode told as they come."""
         loop = asyncio.get_running_loop()
         telemetry = vehicle.plugin("telemetry", "Telemetry")
 
@@ -175,6 +177,7 @@ class MavlinkLink(RealTimeLink):
         telemetry.set_rate_position_async(self._settings.rate_hz, lambda *_: None)
 
     def _take(self, vehicle: MavlinkVehicle, position: Any) -> None:
+        """Take up a place that the vehicle tells, as a report."""
         lat, lon, height_m = position.latitude_deg, position.longitude_deg, position.relative_altitude_m
         if not (abs(lat) <= 90 and abs(lon) <= 180 and math.isfinite(height_m)):
             self._inbox.reject("not a number", f"{vehicle.robot}, at {lat}, {lon}, {height_m}")

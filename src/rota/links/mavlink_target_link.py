@@ -63,6 +63,7 @@ class MavlinkTargetLink(MavlinkLink):
         self._stream.give(robot, await self._target(vehicle))
 
     async def _target(self, vehicle: MavlinkVehicle) -> Target:
+        """What tells a vehicle its timed targets, begun anew or where it was paused."""
         paused_s = self._paused_s.pop(vehicle.robot, None)
         telemetry = vehicle.plugin("telemetry", "Telemetry")
         (origin,) = await vehicle.ask("its origin", telemetry.get_gps_global_origin_async)

@@ -107,6 +107,7 @@ class Target:
         self.phase_s = self.track.nearest_s(place, self.phase_s - LOOK_BACK_S, self.phase_s + LOOK_AHEAD_S)
 
     def _fields(self, passed_s: float, pace_change: float) -> dict[str, float]:
+        """The fields of the message with the target of this moment."""
         here, then = self.track.at(self.phase_s), self.track.at(self.phase_s + LATER_S * self.pace)
         place, velocity, acceleration = here
         lead, along = self.lead, velocity * pace_change

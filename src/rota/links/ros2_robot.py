@@ -119,6 +119,7 @@ class Ros2Robot:
         )
 
     async def _called(self, client: Any, request: Any, what: str, limit_s: float) -> Any:
+        """A service's answer; LinkError where none comes in time."""
         loop = asyncio.get_running_loop()
         answered, future = asyncio.Event(), None
         try:

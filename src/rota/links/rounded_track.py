@@ -119,6 +119,7 @@ class RoundedTrack:
         return np.where(changes < TINY_M_S, 0.0, np.minimum(np.minimum(wanted, widest), room))
 
     def _hardest(self, before: Floats, after: Floats) -> Hardest:
+        """The greatest acceleration that the track asks for, and where."""
         changes = np.sqrt(((after - before) ** 2).sum(axis=1))
         halves = np.maximum(self._halves, LEAST_S)
         takes = np.where(changes < TINY_M_S, 0.0, changes / (2 * halves))

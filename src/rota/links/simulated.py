@@ -241,6 +241,7 @@ class SimulatedLink(ReportingLink):
             )
 
     def _send_reports(self) -> None:
+        """Offer each vehicle's report, late, noisy, lost or at fault as the settings say."""
         fleet, count = self._fleet, len(self._names)
         noise_m = self._rng.standard_normal((count, 3)) * self._settings.position_noise_m
         arrives = self._rng.random(count) >= self._settings.lost

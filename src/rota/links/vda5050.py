@@ -165,6 +165,7 @@ class Vda5050Link(RealTimeLink):
             self._inbox.reject("malformed", f"{name} of {serial:.25}: {error}")
 
     async def _use(self, vehicle: Vda5050Vehicle, level: str, name: str, read: Json) -> None:
+        """Take up what a vehicle tells of its connection, its state or itself."""
         version = version_of(read)
         protocol = vehicle.hear_version(level, version, by_state=name == "state")
         connection = connection_of(read) if name == "connection" else ""
@@ -215,6 +216,7 @@ class Vda5050Link(RealTimeLink):
             self._offer(vehicle, place_m, unix_s)
 
     def _offer(self, vehicle: Vda5050Vehicle, place_m: tuple[float, float], unix_s: float) -> bool:
+        """Offer a vehicle's place as a report; reports of one instant count once."""
         position_m: Place3 = (*place_m, vehicle.planned.once[0].place_m[2])
         time_s, last = self._clock.of_unix_s(unix_s), self.latest(vehicle.robot)
         if last is not None and -ONE_INSTANT_S < time_s - last.time_s < SHORTEST_S:

@@ -76,6 +76,7 @@ class Broker:
         self._client = client
 
     def _made(self) -> Client:
+        """A client of the broker by the settings; RotaError for files that cannot be used."""
         from aiomqtt import Client
 
         given, password = self._settings, None

@@ -183,6 +183,7 @@ def _parts(read: Json, key: str, name: str) -> tuple[Part, ...]:
 
 
 def _error(read: Any) -> VehicleError:
+    """An error of a state message; Malformed where it is none."""
     references = _dict(read).get("errorReferences", [])
     if not isinstance(references, list):
         raise Malformed("errorReferences is no list")

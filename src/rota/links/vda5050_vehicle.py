@@ -274,6 +274,7 @@ def _reached(state: VehicleState) -> int:
 
 
 def _part_differences(what: str, sent: list[Json], key: str, held: tuple[Part, ...], last: int) -> list[str]:
+    """How the nodes or edges that a vehicle holds differ from those sent, in words."""
     wanted = [
         Part(name=part[key], sequence=part["sequenceId"], released=part["released"])
         for part in sent

@@ -76,6 +76,7 @@ def drive_home(place_m: Place3, home_m: Place3, speed_m_s: float) -> Drive:
 
 
 def _segments(at_m: Place3, stops: list[RouteStop] | tuple[RouteStop, ...]) -> list[Segment]:
+    """The drives and waits from a place past the stops, without those of no time."""
     made: list[Segment] = []
     for stop in stops:
         length_m = math.dist(at_m, stop.place_m)
@@ -181,6 +182,7 @@ class Vehicles:
         return np.cumsum([0, *counts[:-1]], dtype=np.int64)
 
     def _made_tables(self) -> Tables:
+        """The vehicles' drives as arrays, one row a segment."""
         starts: list[Place3] = []
         steps: list[list[float]] = []
         durations: list[float] = []
