@@ -8,6 +8,7 @@ import subprocess
 import sys
 from hashlib import sha256
 from pathlib import Path
+from shutil import copytree
 
 import numpy as np
 import pytest
@@ -65,6 +66,14 @@ def written(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    """A folder of which all is compiled, and what the process printed that did; not to be changed."""
+    folder = tmp_path_factory.mktemp("filled")
+    (folder / "small_kernels.py").write_text(SOURCE)
+    return folder, lines_of(started(folder))
+
+
 def started(folder: Path, kind: str = "float64", **more: str) -> subprocess.Popen[str]:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(folder), **more}
     return subprocess.Popen([sys.executable, "-c", PROGRAM, kind], env=environment, stdout=subprocess.PIPE, text=True)
@@ -108,17 +117,18 @@ def damaged(data: bytes, how: str) -> bytes:
 
 
 @pytest.mark.parametrize("how", ["emptied", "halved", "flipped", "no pickle", "another pickle"])
-def test_a_damaged_cache_gives_the_same_and_heals(written: Path, how: str) -> None:
-    first = lines_of(started(written))
+def test_a_damaged_cache_gives_the_same_and_heals(filled: tuple[Path, list[str]], tmp_path: Path, how: str) -> None:
+    source, first = filled
+    written = Path(copytree(source, tmp_path / "copy"))
     for file in (written / "cache" / "rota").glob("*.kernel"):
         file.write_bytes(damaged(file.read_bytes(), how))
     assert lines_of(started(written)) == first  # all is compiled again
     assert lines_of(started(written))[2] == ""
 
 
-def test_a_cache_that_is_read_only_is_used(written: Path) -> None:
-    lines_of(started(written))
-    cache = written / "cache" / "rota"
+def test_a_cache_that_is_read_only_is_used(filled: tuple[Path, list[str]], tmp_path: Path) -> None:
+    source, written = filled[0], tmp_path / "copy"
+    cache = Path(copytree(source, written)) / "cache" / "rota"
     cache.chmod(0o555)
     (cache / "lock").chmod(0o444)
     try:
