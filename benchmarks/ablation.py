@@ -89,7 +89,7 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 MECHANISMS = (
     Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
-    Mechanism("drawing to the border", (f"{REPAIR}.drawn_to_border",), lambda tours, *_, **__: tours, any_changed),
+    Mechanism("drawing to the border", (f"{REPAIR}.draw_to_border",), lambda tours, *_, **__: tours, any_changed),
     Mechanism("tightening", (f"{REPAIR}.tightened",), tours_as_given, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), tours_as_given, changed),
@@ -105,7 +105,7 @@ MECHANISMS = (
     Mechanism("several groupings", stage="allocation", values={"groupings": 1}),
     Mechanism(
         "screening",
-        (f"{PATROL}.methods.fewest.team_size_plan.screened",),
+        (f"{PATROL}.methods.fewest.team_size_plan.screen",),
         lambda _, candidates, seed: [allocation.tours for allocation in candidates],
         lambda _, given: len(given[1]) > 1,
     ),
