@@ -23,6 +23,7 @@ from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
 from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
+from rota.planners.patrol.methods.fewest.shorter_sights import with_shorter_sights
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
@@ -217,6 +218,7 @@ def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Rep
     Shorter loops may do with fewer robots; these then get loops that are better still. Robots that may follow each
     other in more than a period are fewer yet, and their loops stay as long as that makes them.
     """
+    best = with_shorter_sights(context, best)
     better = with_better_loops(context, best)
     fewer = leave_out_needless_robots(context, better)
     if fewer is not better and not context.should_stop():

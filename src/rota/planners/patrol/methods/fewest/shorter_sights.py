@@ -1,0 +1,56 @@
+"""Fewer robots where walls end most sights: the search anew, as if sensors reached half as far, a quarter, ...
+
+Samples, steps and tours are laid out by the reach. Where rooms are much smaller, that is too coarse to find what a
+shorter sensor finds at once; whatever that sees, the longer one sees as well. The judge is asked for what the mission
+asks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rota.errors import NoPlanFound
+from rota.model.mission import DiscSensor, Mission
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.efforts import EARLY
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.methods.fewest.longer_headways import on_other_terms
+from rota.planners.patrol.methods.fewest.search import reduce_team
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
+from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.shortening.search import reaches
+
+FEW_REACHES = 4.0  # of ideal loop: longer ones are laid out finely enough, and searches take longer
+
+
+def with_shorter_sights(context: Context, best: Repaired) -> Repaired:
+    """The plan with the fewest robots of those found with shorter reaches, if that is fewer; else the plan given.
+
+    Places to visit are no farther off for a shorter reach: without other ground nothing is tried.
+    """
+    if all(region.demand == "visit" for region in context.problem.regions):
+        return best
+    share = 0.5
+    while best.met and best.robots > context.enough_robots and not context.should_stop():
+        try:
+            problem = set_up_problem(mission_with_reach(context.problem.mission, share))
+        except NoPlanFound:
+            break  # a sensor that reaches less far leaves too much out of sight
+        if reaches(problem) > FEW_REACHES:
+            break
+        context.progress(0.9, f"trying {best.robots - 1} robots with sights {share:.2g} times as long")
+        own = replace(context, problem=replace(problem, mission=context.problem.mission))
+        found = reduce_team(own, sweep(own, EARLY))
+        if found.met and found.robots < best.robots:
+            best = on_other_terms(found, problem, context.problem)
+        share /= 2
+    return best
+
+
+def mission_with_reach(mission: Mission, share: float) -> Mission:
+    """The mission with sensors that reach so much of what they do."""
+    sensor = mission.fleet.sensor
+    if isinstance(sensor, DiscSensor):
+        shorter = replace(sensor, radius_m=share * sensor.radius_m)
+        return replace(mission, fleet=replace(mission.fleet, sensor=shorter))
+    return replace(mission, fleet=replace(mission.fleet, sensor=replace(sensor, side_m=share * sensor.side_m)))
