@@ -27,6 +27,7 @@ from benchmarks.many_robots import many_robots
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.motion import motion
+from benchmarks.never_more import never_more
 from benchmarks.one_robot import one_robot
 from benchmarks.page_editing import page_editing
 from benchmarks.plan_fuzz import mutated_plans
@@ -222,6 +223,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "anytime": anytime,
     "small-jobs": small_jobs,
     "motion": motion,
+    "never-more": never_more,
     "stopping": stopping,
     "house": house,
     "suite": suite,
@@ -237,6 +239,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
 }
 LONG = (
     "motion",
+    "never-more",
     "random-missions",
     "anytime",
     "swarm-million",
