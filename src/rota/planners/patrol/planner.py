@@ -137,6 +137,8 @@ def plan_tours(
             best = reduce_team(context, best)
     if context.proves_later:
         context = replace(context, bound=claimed_bound(best.plan), proves_later=False)  # proved on its way
+    if goes_on:
+        best = with_shorter_sights(context, best)
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
         best = sweep(context, QUICK) or best
@@ -218,7 +220,6 @@ def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Rep
     Shorter loops may do with fewer robots; these then get loops that are better still. Robots that may follow each
     other in more than a period are fewer yet, and their loops stay as long as that makes them.
     """
-    best = with_shorter_sights(context, best)
     better = with_better_loops(context, best)
     fewer = leave_out_needless_robots(context, better)
     if fewer is not better and not context.should_stop():

@@ -184,5 +184,10 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
 
 def reaches(problem: Problem) -> float:
     """The length of an ideal loop over all ground, in reaches of the sensor; at least one."""
+    return max(1.0, ideal_reaches(problem))
+
+
+def ideal_reaches(problem: Problem) -> float:
+    """The same, however short; 0 where places are visited and nothing else is asked."""
     asked_m2 = sum(region.shape.area for region in problem.regions if region.demand == "every_point")
-    return max(1.0, float(asked_m2 / problem.swath_m / problem.reach_m))
+    return float(asked_m2 / problem.swath_m / problem.reach_m)

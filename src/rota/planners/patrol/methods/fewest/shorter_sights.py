@@ -18,30 +18,30 @@ from rota.planners.patrol.methods.fewest.longer_headways import on_other_terms
 from rota.planners.patrol.methods.fewest.search import reduce_team
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.shortening.search import reaches
+from rota.planners.patrol.shortening.search import ideal_reaches
 
 FEW_REACHES = 4.0  # of ideal loop: longer ones are laid out finely enough, and searches take longer
 
 
 def with_shorter_sights(context: Context, best: Repaired) -> Repaired:
-    """The plan with the fewest robots of those found with shorter reaches, if that is fewer; else the plan given.
+    """The plan with the fewest robots of those found with shorter reaches, if it is better; else the plan given.
 
     Places to visit are no farther off for a shorter reach: without other ground nothing is tried.
     """
-    if all(region.demand == "visit" for region in context.problem.regions):
+    asked_reaches, share = ideal_reaches(context.problem), 0.5
+    if asked_reaches == 0:
         return best
-    share = 0.5
-    while best.met and best.robots > context.enough_robots and not context.should_stop():
+    while (not best.met or best.robots > context.enough_robots) and not context.should_stop():
+        if asked_reaches / share**2 > FEW_REACHES:
+            break
         try:
             problem = set_up_problem(mission_with_reach(context.problem.mission, share))
         except NoPlanFound:
             break  # a sensor that reaches less far leaves too much out of sight
-        if reaches(problem) > FEW_REACHES:
-            break
-        context.progress(0.9, f"trying {best.robots - 1} robots with sights {share:.2g} times as long")
+        context.progress(0.9, f"searching anew with {share:.2g} times the reach")
         own = replace(context, problem=replace(problem, mission=context.problem.mission))
         found = reduce_team(own, sweep(own, EARLY))
-        if found.met and found.robots < best.robots:
+        if found.met and not (best.met and best.robots <= found.robots):
             best = on_other_terms(found, problem, context.problem)
         share /= 2
     return best
