@@ -19,6 +19,7 @@ from benchmarks.export_formats import export_formats
 from benchmarks.flights import flights
 from benchmarks.foreign_agvs import foreign_agvs
 from benchmarks.house import house, suite
+from benchmarks.kept_phase import kept_phase
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.link_noise import link_noise
@@ -233,6 +234,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "page-editing": page_editing,
     "player": player,
     "link-noise": link_noise,
+    "kept-phase": kept_phase,
     "foreign-agvs": foreign_agvs,
     "sweep": sweeps,
     "plan-on-cluster": plan_on_cluster,
