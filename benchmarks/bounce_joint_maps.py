@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from benchmarks.bounce_maps import LESS_EIGHT, OPEN, cells_on
 from benchmarks.row import Options, Row
 from benchmarks.shell import python
+from rota.compiled.kernel import allocation_free
 from rota.planners.bounce.bounce_map import (
     NOWHERE,
     Decomposition,
@@ -23,7 +24,7 @@ from rota.planners.bounce.bounce_map import (
     joint_map,
     make_team,
 )
-from rota.planners.bounce.kernels import Team, allocation_free, step_team
+from rota.planners.bounce.kernels import Team, step_team
 from rota.planners.bounce.map_kernels import Stays
 
 Ints = NDArray[np.int32]

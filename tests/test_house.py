@@ -14,7 +14,7 @@ from tests.test_imports import FILES, imports_of, module_name, within
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
-    ["planner_settings", "method_table", "work_ahead", "method_settings", "loop_settings"],
+    ["planner_settings", "method_table", "work_ahead", "method_settings", "loop_settings", "tolerances"],
     ["driving", "tours", "verdict", "margins", "settings", "efforts"],
     ["ground"],
     ["bounds", "context"],

@@ -48,6 +48,7 @@ Arguments = tuple[types.Type, ...]
 OWN_OPTIONS: dict[str, Any] = {
     "nopython": True, "nogil": True, "boundscheck": None, "_nrt": True, "error_model": "python",
 }  # fmt: skip
+ALLOCATION_FREE: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 SETTINGS = (
     "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT", "EXTEND_VARIABLE_LIFETIMES",
     "FULL_TRACEBACKS", "USING_SVML", "LLVM_REFPRUNE_PASS", "LLVM_REFPRUNE_FLAGS",
@@ -68,6 +69,25 @@ def kernel(function: Callable[..., Any] | None = None, *, noinline: bool = False
     if function is None:
         return lambda function: _kernel(function, noinline, options)
     return _kernel(function, noinline, options)
+
+
+def allocation_free(function: Callable[..., Any]) -> Any:
+    """A compiled function that allocates no array, and whose divisions by 0 give what numpy's do.
+
+    Such functions pass tuples of many arrays to each other; to count references to every array on every call (numba's
+    runtime, "nrt") would take more time than all the rest.
+    """
+    return kernel(**ALLOCATION_FREE)(function)
+
+
+def noinline(function: Callable[..., Any]) -> Any:
+    """The same for a large function, which its callers call instead of taking it in: they compile in less time."""
+    return kernel(**ALLOCATION_FREE, noinline=True)(function)
+
+
+def always_inline(function: Callable[..., Any]) -> Any:
+    """The same for a function that becomes part of its callers."""
+    return kernel(**ALLOCATION_FREE, inline="always")(function)
 
 
 def _kernel(function: Callable[..., Any], noinline: bool, options: dict[str, Any]) -> Any:

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, Longs, allocation_free, always_inline
+from rota.compiled.kernel import allocation_free, always_inline
+from rota.planners.bounce.kernels import Ints, Longs
 
 Words = NDArray[np.uint64]
 

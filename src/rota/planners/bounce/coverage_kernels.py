@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, Longs, Team, allocation_free, always_inline, step_team
+from rota.compiled.kernel import allocation_free, always_inline
+from rota.planners.bounce.kernels import Ints, Longs, Team, step_team
 
 Bytes = NDArray[np.uint8]
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, allocation_free, pair_touches, step_team
+from rota.compiled.kernel import allocation_free
+from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, pair_touches, step_team
 
 Flags = NDArray[np.bool_]
 

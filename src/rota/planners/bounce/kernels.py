@@ -7,30 +7,17 @@ robots that are not told apart, the rank of the set of their states (combinatori
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, always_inline
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
 Words = NDArray[np.uint32]
-# no function here allocates an array, so numba's reference counts ("nrt") would only take time
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
-
-
-def allocation_free(function: Callable[..., Any]) -> Any:
-    """A compiled function that allocates no array."""
-    return kernel(**OPTIONS)(function)
-
-
-def always_inline(function: Callable[..., Any]) -> Any:
-    """A compiled function that becomes part of its callers."""
-    return kernel(**OPTIONS, inline="always")(function)
 
 
 class Team(NamedTuple):

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.compiled.kernel import allocation_free, always_inline
 from rota.planners.bounce.kernels import (
     Ints,
     Longs,
     Team,
-    allocation_free,
-    always_inline,
     step_team,
     too_near,
     touching,

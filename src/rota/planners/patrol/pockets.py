@@ -7,8 +7,7 @@ import shapely
 
 from rota.geometry.free_space import standing_space
 from rota.model.plan import Plan
-
-ARC_CORNERS = 64  # of a whole turn round a grown corner, so that coarse arcs part nothing
+from rota.planners.patrol.ground.standing import POCKET_ARC_CORNERS
 
 
 def pockets_sentence(plan: Plan) -> str | None:
@@ -20,7 +19,7 @@ def pockets_sentence(plan: Plan) -> str | None:
     if fleet.entrances is not None or len(plan.trajectories) < 2:
         return None
     body_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
-    parts = shapely.get_parts(standing_space(plan.mission, body_m, arc_corners=ARC_CORNERS))
+    parts = shapely.get_parts(standing_space(plan.mission, body_m, arc_corners=POCKET_ARC_CORNERS))
     if len(parts) < 2:
         return None
     places_m = np.array([trajectory.positions_m[-1, :2] for trajectory in plan])

@@ -13,9 +13,9 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
 from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
+from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS
 from rota.planners.patrol.initial.standing import MOST_TRAVEL
 
-ARC_CORNERS = 64  # of a quarter of a circle
 TO_SPARE = 0.01  # of the radius: the corners of arcs driven as straight legs lie up to 0.5 % of it outside
 LEAST_SHARE = 1e-5  # of the sensor's disc: less ground is rounding
 
@@ -41,8 +41,8 @@ def require_corners_in_reach(mission: Mission) -> None:
     middles = shapely.buffer(hull, -(radius_m + body_m))
     if middles.is_empty:
         return  # no disc fits in: whatever moves there has no loop at all
-    driven_m = radius_m * (1 + TO_SPARE) / math.cos(math.pi / 4 / ARC_CORNERS)
-    near = shapely.buffer(middles, driven_m + reach_m, quad_segs=ARC_CORNERS)
+    driven_m = radius_m * (1 + TO_SPARE) / math.cos(math.pi / 4 / ARC_STEPS)
+    near = shapely.buffer(middles, driven_m + reach_m, quad_segs=ARC_STEPS)
     asked = shapely.union_all([region.shape for region in regions])
     left = polygons_of(shapely.difference(asked, near), LEAST_SHARE * math.pi * reach_m**2)
     if not left.is_empty:

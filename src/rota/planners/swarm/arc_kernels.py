@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free, cell_of
+from rota.compiled.kernel import allocation_free
+from rota.planners.swarm.kernels import cell_of
 
 SAME_PLACE_M = 1e-9
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.importance_kernels import importance_in_disc, matters
-from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
+from rota.planners.swarm.kernels import cell_of, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
 
 SAME_PLACE_M2 = 1e-24

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 CLEAR_M = 1e-6  # kept from discs, above rounding
 MARGIN = 0.1  # of both radii, kept as well by robots that are faster than the disc: walls and others may take of it

@@ -52,8 +52,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.dodge_kernels import CLEAR_M, clearance_m, dodge
-from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
+from rota.planners.swarm.kernels import cell_of, to_wall
 from rota.planners.swarm.state import Floats
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.offer_kernels import cost_m, cover_places, pass_on_offers, settle_offers
 from rota.planners.swarm.place_kernels import places_of_row, rows_within
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 STEPS_FOR_SENSOR = 64.0  # a robot that needs more of them for its sensor's radius has less friction, else none starts
 PATIENCE, FRICTION_GROWTH = 2.0, 4.0  # longest ways on the map, twice each, and by how much it grows in each more

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.arc_kernels import area_gradient
-from rota.planners.swarm.kernels import allocation_free
 
 SECTORS = 128  # of a circle: importance counts by its middles
 LEAST_UNIT = 0.02  # of the greatest importance: on ground that is worth less steps are shorter

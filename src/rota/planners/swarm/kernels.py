@@ -8,20 +8,11 @@ fleet; results depend on it where distances tie and nowhere else, never on the o
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
-
-# no function here allocates an array, so numba's reference counts ("nrt") would only take time
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
-
-
-def allocation_free(function: Callable[..., Any]) -> Any:
-    """A compiled function that allocates no array."""
-    return kernel(**OPTIONS)(function)
+from rota.compiled.kernel import allocation_free
 
 
 @allocation_free

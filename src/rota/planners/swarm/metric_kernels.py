@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
+from rota.compiled.kernel import allocation_free
+from rota.planners.swarm.kernels import cell_of, to_wall
 
 
 class Pixels(NamedTuple):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.place_kernels import places_of_row, rows_within
 
 LEVEL, LEVELS = 0.7071067811865476, 12

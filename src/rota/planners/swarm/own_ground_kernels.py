@@ -6,8 +6,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.importance_kernels import importance_in_disc, matters
-from rota.planners.swarm.kernels import allocation_free, cell_of, to_wall
+from rota.planners.swarm.kernels import cell_of, to_wall
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full

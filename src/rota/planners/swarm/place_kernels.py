@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 
 @allocation_free

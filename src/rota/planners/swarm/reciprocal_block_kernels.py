@@ -20,8 +20,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.kernels import allocation_free, cell_of
+from rota.planners.swarm.kernels import cell_of
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2, decide_reciprocal
 from rota.planners.swarm.state import Floats, Ints, Room
 

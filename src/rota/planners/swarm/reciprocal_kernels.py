@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
+from rota.compiled.kernel import allocation_free
+from rota.planners.swarm.kernels import cell_of, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
 
 SAME_PLACE_M2 = 1e-24

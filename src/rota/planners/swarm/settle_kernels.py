@@ -6,12 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, exposed_arcs
 from rota.planners.swarm.baseline_kernels import FULL_SHARE_CAUSES, overlaps_with_robots, towards
 from rota.planners.swarm.free_ground_kernels import direction_to_free_ground
 from rota.planners.swarm.friction_kernels import friction_unit_m, rub
 from rota.planners.swarm.importance_kernels import matters, unit_of_worth, worth_gradient
-from rota.planners.swarm.kernels import allocation_free, cell_of, find_neighbours, to_wall
+from rota.planners.swarm.kernels import cell_of, find_neighbours, to_wall
 from rota.planners.swarm.offer_kernels import worth_of_offer
 from rota.planners.swarm.own_ground_kernels import own_share
 

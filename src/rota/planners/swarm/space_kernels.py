@@ -16,8 +16,9 @@ import math
 from typing import Any, NamedTuple
 
 from rota.compiled.by_reference import by_reference
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
-from rota.planners.swarm.kernels import allocation_free, cell_of, comes_before, to_wall
+from rota.planners.swarm.kernels import cell_of, comes_before, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2
 from rota.planners.swarm.space_set_kernels import add_plane, centroid_in_ball
 from rota.planners.swarm.state import Floats, Grid, Kinds, Near, Outline, Robots, Rule

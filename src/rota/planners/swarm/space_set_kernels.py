@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 MOST_PLANES = 56  # each of them may add a corner to a face

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 MOST_CORNERS = 64
 SLIVER = 1e-12  # an area below this share of the disc's square has no centroid that rounding leaves

@@ -22,7 +22,7 @@ from rota.planners.patrol.annealing.chain_kernels import range_m
 from rota.planners.patrol.annealing.estimate_kernels import least_loss, note_leg, unseen_near
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.annealing.state import ACCEPTED, SLOTS_LEFT, VERTEX, VERTICES, VERTICES_LEFT, Tours
+from rota.planners.patrol.annealing.state import Count, Most, Tours
 from rota.planners.patrol.annealing.state_kernels import bucket_of, tour_length
 from rota.planners.patrol.annealing.turn_kernels import turning_m
 from rota.planners.patrol.driving.driving import driving_of
@@ -248,10 +248,11 @@ def assert_books_are_true(search: Annealing) -> None:
     # every slot is one leg's or free; every vertex is in use or free, and in the bucket of its place
     vertices = [v for ring in rings(state) for v in ring]
     used = state.slot[vertices].tolist()
-    assert sorted(used + state.free_slots[: state.ints[SLOTS_LEFT]].tolist()) == list(range(len(state.free_slots)))
-    assert sorted(state.in_use[: state.ints[VERTICES]].tolist()) == sorted(vertices)
+    left = state.free_slots[: state.ints[Count.SLOTS_LEFT]].tolist()
+    assert sorted(used + left) == list(range(len(state.free_slots)))
+    assert sorted(state.in_use[: state.ints[Count.VERTICES]].tolist()) == sorted(vertices)
     assert state.place[state.in_use[: len(vertices)]].tolist() == list(range(len(vertices)))
-    free = state.free_vertices[: state.ints[VERTICES_LEFT]].tolist()
+    free = state.free_vertices[: state.ints[Count.VERTICES_LEFT]].tolist()
     assert sorted(vertices + free) == list(range(len(state.x)))
     in_buckets = []
     for bucket in range(len(state.bucket)):
@@ -303,7 +304,7 @@ def test_the_books_are_true_after_many_moves(case: dict[str, object]) -> None:
         run(search, moves)
         assert_books_are_true(search)
         assert_legs_are_free(given, search.tours)
-    assert search._state.ints[ACCEPTED] > 1000  # moves were accepted
+    assert search._state.ints[Count.ACCEPTED] > 1000  # moves were accepted
     search.see_more(2000)
     assert_books_are_true(search)
     assert_legs_are_free(given, search.tours)
@@ -319,7 +320,7 @@ def test_lengths_of_robots_with_mass_are_those_of_their_rounds(limits: dict[str,
         assert kept_m == pytest.approx(exact_m, rel=0.03)  # measured: 1.4 %
         afresh_m = [tour_length(k, search._state) for k in range(len(exact_m))]
         assert afresh_m == pytest.approx(exact_m, rel=0.02)  # measured: 0.8 %
-    assert search._state.ints[ACCEPTED] > 500
+    assert search._state.ints[Count.ACCEPTED] > 500
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -429,8 +430,8 @@ def test_a_price_on_vertices_leaves_fewer_of_them_while_tours_are_hot() -> None:
         search = started(given)
         search.run(20_000, hot_m=2.0, cold_m=1.0, should_stop=lambda: False, vertex_price=price)
         assert_books_are_true(search)
-        assert search._state.most[VERTEX] == 0  # what bends legs later on pays nothing
-        vertices.append(int(search._state.ints[VERTICES]))
+        assert search._state.most[Most.VERTEX] == 0  # what bends legs later on pays nothing
+        vertices.append(int(search._state.ints[Count.VERTICES]))
     assert vertices[1] < 0.8 * vertices[0]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.annealing.state_kernels import (
@@ -16,7 +17,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import norm
 
 
 @allocation_free

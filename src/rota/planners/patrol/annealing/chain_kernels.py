@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.speed_kernels import change_m, has_speeds
 from rota.planners.patrol.annealing.state import Tours
@@ -22,7 +23,7 @@ from rota.planners.patrol.annealing.state_kernels import (
 )
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import norm
 
 
 @noinline

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
@@ -13,21 +13,18 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
-# arrays of two dimensions
-WIDE = {
-    "walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges", "corners",
+TWO_DIMENSIONS = {
+    "walls",
+    "frames",
+    "frame_ints",
+    "petals",
+    "seen",
+    "times_seen",
+    "scratch",
+    "new_legs",
+    "corners",
     "window",
-}  # fmt: skip
-WHOLE = {
-    "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
-    "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
-    "grid_n", "anchor", "n", "square", "costly", "period_class", "hub", "petals", "meets", "more", "seen_n",
-    "free_slots", "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items",
-    "clear",
-}  # fmt: skip
-SHORT = {"column_start", "seen", "bucket_of_sample"}  # 32 bits
-BITS = {"times_seen", "rng"}  # 64 bits without a sign
-SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
+}
 
 
 def moves() -> None:
@@ -49,16 +46,16 @@ def longest_moves() -> None:
 
 def types_of_states() -> tuple[Any, Any, Any]:
     """The types of a standing space, of samples and of tours."""
-    grid = EdgeGrid(0.0, 0.0, 1.0, 1, 1, *(_array(name) for name in EdgeGrid._fields[5:]))
-    return (
-        typeof(grid),
-        typeof(Samples(*(_array(name) for name in Samples._fields))),
-        typeof(Tours(*(_array(name) for name in Tours._fields))),
-    )
+    ints = np.zeros(0, dtype=np.int64)
+    grid = EdgeGrid(0.0, 0.0, 1.0, 1, 1, start=ints, items=ints, edges=np.zeros((0, 0)), clear=ints)
+    return typeof(grid), typeof(Samples(**_empty_arrays(Samples))), typeof(Tours(**_empty_arrays(Tours)))
 
 
-def _array(name: str) -> Any:
-    if name in SINGLE:
-        return np.zeros((0, 0, 0), dtype=np.float32)
-    kind = np.int32 if name in SHORT else np.int64 if name in WHOLE else np.uint64 if name in BITS else np.float64
-    return np.zeros((0, 0) if name in WIDE else 0, dtype=kind)
+def _empty_arrays(row: type) -> dict[str, Any]:
+    """An array of the declared kind of number for each field."""
+    arrays = {}
+    for name, declared in get_type_hints(row).items():
+        kind = get_args(get_args(declared)[1])[0]
+        dimensions = 3 if name == "depth2" else 2 if name in TWO_DIMENSIONS else 1
+        arrays[name] = np.zeros((0,) * dimensions, dtype=kind)
+    return arrays

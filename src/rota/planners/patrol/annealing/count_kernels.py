@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.bits import trailing_zeros
-from rota.planners.patrol.annealing.state import UNSEEN, Tours
+from rota.compiled.kernel import always_inline, noinline
+from rota.planners.patrol.annealing.state import Count, Tours
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import always_inline, noinline
 
 WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of them
 NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
@@ -85,16 +85,16 @@ def turn_seen(turned: Any, first: Any, step: int, s: Samples, t: Tours) -> None:
         i = np.int64(first + lowest(turned))
         turned &= turned - ONE
         if step > 0:
-            t.ints[UNSEEN] -= 1
-            back = t.unseen_item[t.ints[UNSEEN]]
+            t.ints[Count.UNSEEN] -= 1
+            back = t.unseen_item[t.ints[Count.UNSEEN]]
             t.unseen_item[t.unseen_place[i]] = back
             t.unseen_place[back] = t.unseen_place[i]
             t.unseen_in[t.bucket_of_sample[i]] -= 1
             t.unseen[0] -= s.weight[i]
         else:
-            t.unseen_item[t.ints[UNSEEN]] = i
-            t.unseen_place[i] = t.ints[UNSEEN]
-            t.ints[UNSEEN] += 1
+            t.unseen_item[t.ints[Count.UNSEEN]] = i
+            t.unseen_place[i] = t.ints[Count.UNSEEN]
+            t.ints[Count.UNSEEN] += 1
             t.unseen_in[t.bucket_of_sample[i]] += 1
             t.unseen[0] += s.weight[i]
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, always_inline, noinline
 from rota.planners.patrol.annealing.count_kernels import NONE, ONE, WORD, bits_seen_once, lowest
-from rota.planners.patrol.annealing.state import RANGE, WEIGHT, Tours
-from rota.planners.patrol.annealing.state_kernels import SURE_M, bucket_of
+from rota.planners.patrol.annealing.state import Most, Tours
+from rota.planners.patrol.annealing.state_kernels import bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, always_inline, noinline
+from rota.planners.patrol.tolerances import SAME_PLACE_M
 
 
 @noinline
 def unseen_near(ax: float, ay: float, bx: float, by: float, t: Tours) -> float:
     """No less than the weight of the unseen samples that legs can see that stay in the box with corners a and b."""
-    far = t.most[RANGE]
+    far = t.most[Most.RANGE]
     low = bucket_of(min(ax, bx) - far, min(ay, by) - far, t)
     high = bucket_of(max(ax, bx) + far, max(ay, by) + far, t)
     columns = t.grid_n[0]
@@ -24,7 +25,7 @@ def unseen_near(ax: float, ay: float, bx: float, by: float, t: Tours) -> float:
         for b in range(first, first + wide + 1):
             unseen += t.unseen_in[b]
     # a little more, since the weight of all is a sum of many changes
-    return float(min(t.unseen[0], unseen * t.most[WEIGHT])) + SURE_M
+    return float(min(t.unseen[0], unseen * t.most[Most.WEIGHT])) + SAME_PLACE_M
 
 
 @noinline
@@ -88,7 +89,7 @@ def is_in_reach_of_any(i: int, legs: int, reach: float, s: Samples, t: Tours) ->
     """Whether sample i is in range of any of the first noted legs."""
     x, y = s.x[i], s.y[i]
     far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]
-    far2 = far * far * (1 + SURE_M) + SURE_M
+    far2 = far * far * (1 + SAME_PLACE_M) + SAME_PLACE_M
     for k in range(legs):
         leg = t.new_legs[k]
         px, py = x - leg[0], y - leg[1]

@@ -10,15 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.geometry.kernels import EdgeGrid, point_in_space
 from rota.planners.patrol.annealing.anchor_kernels import is_meeting_vertex, move_together
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.annealing.state import FULL, UNSEEN, VERTEX, VERTICES, Tours
+from rota.planners.patrol.annealing.state import Count, Most, Tours
 from rota.planners.patrol.annealing.state_kernels import apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import norm
 
 ANCHOR_MOVES = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
@@ -110,7 +111,7 @@ def crossing_leg(a: int, t: Tours, most_m: float) -> int:
 @noinline
 def propose_insert(space: EdgeGrid, s: Samples, t: Tours) -> int:
     """A place from where an unseen sample may be seen; returns the leg to lead there, or -1: none this time."""
-    i = t.unseen_item[int(uniform(t.rng) * t.ints[UNSEEN])]
+    i = t.unseen_item[int(uniform(t.rng) * t.ints[Count.UNSEEN])]
     cx, cy = s.x[i], s.y[i]
     tour = np.int64(-1)
     if uniform(t.rng) < 0.3:
@@ -143,7 +144,7 @@ def see_more(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -
     Returns the number of tries made: fewer when all is seen, or FULL is set.
     """
     for tried in range(tries):
-        if t.ints[UNSEEN] == 0 or t.ints[FULL] > 0:
+        if t.ints[Count.UNSEEN] == 0 or t.ints[Count.FULL] > 0:
             return tried
         a = propose_insert(space, s, t)
         if a >= 0:
@@ -217,8 +218,8 @@ def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Sam
     """Try one move of a random kind at a random place; keep it if it costs at most ``limit``."""
     none, one = np.int64(0), np.int64(1)
     kind = uniform(t.rng)
-    v = t.in_use[int(uniform(t.rng) * t.ints[VERTICES])]
-    if t.ints[UNSEEN] > 0 and kind < 0.2:
+    v = t.in_use[int(uniform(t.rng) * t.ints[Count.VERTICES])]
+    if t.ints[Count.UNSEEN] > 0 and kind < 0.2:
         a = propose_insert(space, s, t)
         if a >= 0:
             change_legs(a, none, one, limit, most_m, space, s, t)
@@ -258,14 +259,14 @@ def anneal(
     for k in range(t.n.shape[0]):
         t.length[k] = tour_length(k, t)  # rounding of many small changes ends here
     t.unseen[0] = 0.0
-    for i in range(t.ints[UNSEEN]):
+    for i in range(t.ints[Count.UNSEEN]):
         t.unseen[0] += s.weight[t.unseen_item[i]]
     for move in range(first, first + count):
-        if t.ints[FULL] > 0:
+        if t.ints[Count.FULL] > 0:
             return move - first
         heat = schedule.hot_m * (schedule.cold_m / schedule.hot_m) ** (move / schedule.moves)
         limit = -heat * math.log(1.0 - uniform(t.rng))
-        t.most[VERTEX] = schedule.vertex_price * heat
+        t.most[Most.VERTEX] = schedule.vertex_price * heat
         one_move(limit, step_m, most_m, space, s, t)
-    t.most[VERTEX] = 0.0
+    t.most[Most.VERTEX] = 0.0
     return count

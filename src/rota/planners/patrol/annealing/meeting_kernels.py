@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.chain_kernels import link
 from rota.planners.patrol.annealing.random_kernels import uniform
@@ -21,7 +22,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import norm
 
 FARTHEST_STEPS = 8  # along its hub that an empty petal goes
 

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.chain_kernels import (
     chain_is_free,
@@ -32,7 +33,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     unseen_near,
 )
 from rota.planners.patrol.annealing.speed_kernels import crossed_m, has_speeds, settle
-from rota.planners.patrol.annealing.state import FULL, VERTEX, VERTICES_LEFT, Tours
+from rota.planners.patrol.annealing.state import Count, Most, Tours
 from rota.planners.patrol.annealing.state_kernels import (
     apart,
     begin,
@@ -44,7 +45,6 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline
 
 
 @noinline
@@ -59,9 +59,9 @@ def change_legs(
     The only vertex of a tour is replaced by ``move_only``.
     """
     k = t.tour[p]
-    limit -= t.most[VERTEX] * (added - removed)
-    if t.ints[VERTICES_LEFT] < added:
-        t.ints[FULL] = 1
+    limit -= t.most[Most.VERTEX] * (added - removed)
+    if t.ints[Count.VERTICES_LEFT] < added:
+        t.ints[Count.FULL] = 1
         return False
     q = p
     for _ in range(removed + 1):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rota.planners.patrol.ground.sight_kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 
 @allocation_free

@@ -12,11 +12,11 @@ from rota.geometry.kernels import EdgeGrid
 from rota.model.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.annealing.count_kernels import words_for
-from rota.planners.patrol.annealing.state import FULL, NUMBERS, SLOTS_LEFT, UNSEEN, Tours
+from rota.planners.patrol.annealing.state import Count, Tours
 from rota.planners.patrol.annealing.state_kernels import MOST_TRIED, over_budget_costs, set_up, tour_length
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import split_legs, without_repeats
-from rota.planners.patrol.driving.speed_kernels import ROWS
+from rota.planners.patrol.driving.speed_kernels import Row
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.tours.tour import (
     Tour,
@@ -117,7 +117,7 @@ class Annealing:
             turn_m=np.array([cost.turn_m for cost in costs]), arc_m=np.array([cost.arc_m for cost in costs]),
             corners=costs[0].table, corner_leg_m=np.array([costs[0].longest_m, costs[0].straight]),
             blind_m=np.array([driving_of(t.robot).blind_m for t in tours]),
-            limits=costs[0].limits, trims=np.zeros(8), window=np.zeros((ROWS, room)),
+            limits=costs[0].limits, trims=np.zeros(8), window=np.zeros((len(Row), room)),
             sine=np.zeros(room), speed2=np.zeros(room), leg_cost=np.zeros(room), corner_cost=np.zeros(room),
             costly=np.array([0 if cost.are_free else 1 for cost in costs], dtype=np.int64),
             length_weight=np.asarray(self._length_weight, dtype=np.float64),
@@ -130,14 +130,14 @@ class Annealing:
             unseen_item=numbers(count), unseen_place=numbers(count),
             bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),
             most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0)), 0.0]),
-            ints=numbers(NUMBERS), unseen=np.zeros(1),
+            ints=numbers(len(Count)), unseen=np.zeros(1),
             new_legs=np.zeros((8, 5)), tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED),
             rng=rng, new_x=np.zeros(8), new_y=np.zeros(8), scratch=np.zeros((2, 8)),
         )  # fmt: skip
 
     def _grow(self) -> None:
         """Make room for more vertices, or for legs that see more, whichever a move lacked."""
-        if self._state.ints[SLOTS_LEFT] > MOST_TRIED // 2:
+        if self._state.ints[Count.SLOTS_LEFT] > MOST_TRIED // 2:
             self._room *= 2
         self._spare *= 2
         self._tours = self.tours
@@ -168,7 +168,7 @@ class Annealing:
             )  # fmt: skip
             first += made
             self.moves_made += made
-            if self._state.ints[FULL]:
+            if self._state.ints[Count.FULL]:
                 self._grow()
             done(made)
         return True
@@ -194,7 +194,7 @@ class Annealing:
             some = min(tries, BENDS)
             made = annealing_kernels.see_more(some, self._longest_m, self._space, self._samples, self._state)
             tries -= made
-            if self._state.ints[FULL]:
+            if self._state.ints[Count.FULL]:
                 self._grow()
             elif made < some:  # all is seen
                 return
@@ -202,7 +202,7 @@ class Annealing:
     @property
     def unseen(self) -> int:
         """Number of samples that no tour sees."""
-        return int(self._state.ints[UNSEEN])
+        return int(self._state.ints[Count.UNSEEN])
 
     @property
     def unseen_samples(self) -> Ints:

@@ -8,19 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.planners.patrol.annealing.state import Tours
-from rota.planners.patrol.driving.speed_kernels import (
-    BESIDE,
-    CORNER,
-    LEG,
-    SINE,
-    SPEED2,
-    X,
-    Y,
-    across_m_s2,
-    weighed_m,
-)
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline
+from rota.planners.patrol.driving.speed_kernels import BESIDE, Row, across_m_s2, weighed_m
 
 
 @allocation_free
@@ -32,7 +22,7 @@ def has_speeds(t: Tours) -> bool:
 @allocation_free
 def put(i: int, x: float, y: float, t: Tours) -> int:
     """Put a place into the window; returns the number of the next."""
-    t.window[X, i], t.window[Y, i] = x, y
+    t.window[Row.X, i], t.window[Row.Y, i] = x, y
     return i + 1
 
 
@@ -56,7 +46,7 @@ def put_new(i: int, added: int, t: Tours) -> int:
 @allocation_free
 def end_like(i: int, v: int, t: Tours) -> None:
     """Let an end of the window be passed as vertex v is now."""
-    t.window[SINE, i], t.window[SPEED2, i] = t.sine[v], t.speed2[v]
+    t.window[Row.SINE, i], t.window[Row.SPEED2, i] = t.sine[v], t.speed2[v]
 
 
 @noinline
@@ -74,8 +64,8 @@ def ring_m(k: int, t: Tours) -> float:
 @allocation_free
 def note(v: int, i: int, t: Tours) -> None:
     """Note at vertex v what the window has of its place i, with the leg after it."""
-    t.sine[v], t.speed2[v] = t.window[SINE, i], t.window[SPEED2, i]
-    t.leg_cost[v], t.corner_cost[v] = t.window[LEG, i], t.window[CORNER, i]
+    t.sine[v], t.speed2[v] = t.window[Row.SINE, i], t.window[Row.SPEED2, i]
+    t.leg_cost[v], t.corner_cost[v] = t.window[Row.LEG, i], t.window[Row.CORNER, i]
 
 
 @allocation_free
@@ -111,7 +101,7 @@ def trim_of(sine: float, speed2: float, t: Tours) -> float:
 def note_trims(first: int, count: int, t: Tours) -> None:
     """Note what is cut at so many places of the window, from one on."""
     for i in range(count):
-        t.trims[i] = trim_of(t.window[SINE, first + i], t.window[SPEED2, first + i], t)
+        t.trims[i] = trim_of(t.window[Row.SINE, first + i], t.window[Row.SPEED2, first + i], t)
 
 
 @noinline
@@ -208,7 +198,7 @@ def settle(p: int, q: int, added: int, t: Tours) -> None:
     b, e = steps(p, BESIDE, False, t), steps(q, BESIDE, True, t)
     n = put_way(0, b, 2 * BESIDE + 2 + added, True, t)
     t.length[k] += open_m(n, b, e, t) - noted_m(b, e, t)
-    t.leg_cost[b] = t.window[LEG, 0]
+    t.leg_cost[b] = t.window[Row.LEG, 0]
     v = b
     for i in range(1, n - 1):
         v = t.after[v]

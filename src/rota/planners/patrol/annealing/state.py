@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,26 @@ from rota.compiled.by_reference import by_reference
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# places in Tours.most: the greatest weight of a sample, the farthest that any is seen from, in x or in y, and what a
-# vertex more costs now
-WEIGHT, RANGE, VERTEX = range(3)
-# places in Tours.ints
-SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FULL = range(8)
-NUMBERS = 8
+
+class Most(IntEnum):
+    """Places in ``Tours.most``."""
+
+    WEIGHT = 0  # the greatest weight of a sample
+    RANGE = 1  # the farthest that any is seen from, in x or in y
+    VERTEX = 2  # what a vertex more costs now
+
+
+class Count(IntEnum):
+    """Places in ``Tours.ints``."""
+
+    SLOTS_LEFT = 0
+    UNSEEN = 1
+    ACCEPTED = 2
+    VERTICES_LEFT = 3
+    VERTICES = 4
+    TRIED_NEW = 5
+    TRIED_OLD = 6
+    FULL = 7
 
 
 @by_reference
@@ -30,9 +45,9 @@ class Tours(NamedTuple):
     before: Ints
     tour: Ints
     slot: Ints  # where it is kept what leg v sees
-    in_use: Ints  # the vertices in use, ints[VERTICES] of them
+    in_use: Ints  # the vertices in use, ints[Count.VERTICES] of them
     place: Ints  # by vertex: its place in in_use
-    free_vertices: Ints  # the others, ints[VERTICES_LEFT] of them
+    free_vertices: Ints  # the others, ints[Count.VERTICES_LEFT] of them
     bucket: Ints  # by bucket: its first vertex, or -1
     bucket_after: Ints  # by vertex: the next one in its bucket, or -1
     bucket_before: Ints  # the one before it, or -1 - its bucket
@@ -67,9 +82,9 @@ class Tours(NamedTuple):
     whole_m: Floats  # of a hub: the budget of all its rounds together
     seen: NDArray[np.int32]  # by slot: what a leg sees, as runs of samples
     seen_n: Ints  # how many numbers these are
-    free_slots: Ints  # ints[SLOTS_LEFT] of them
+    free_slots: Ints  # ints[Count.SLOTS_LEFT] of them
     times_seen: NDArray[np.uint64]  # by word of 64 samples: by how many legs, see ``count_kernels.py``
-    unseen_item: Ints  # the unseen samples, ints[UNSEEN] of them
+    unseen_item: Ints  # the unseen samples, ints[Count.UNSEEN] of them
     unseen_place: Ints  # by sample: its place in unseen_item
     bucket_of_sample: NDArray[np.int32]
     unseen_in: Ints  # by bucket: how many unseen samples

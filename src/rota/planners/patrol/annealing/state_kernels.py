@@ -14,26 +14,15 @@ from typing import Any
 
 import numpy as np
 
+from rota.compiled.kernel import allocation_free, noinline
 from rota.planners.patrol.annealing.count_kernels import count_leg
 from rota.planners.patrol.annealing.speed_kernels import has_speeds, ring_m, trim_of
-from rota.planners.patrol.annealing.state import (
-    ACCEPTED,
-    FULL,
-    SLOTS_LEFT,
-    TRIED_NEW,
-    TRIED_OLD,
-    UNSEEN,
-    VERTICES,
-    VERTICES_LEFT,
-    Ints,
-    Tours,
-)
+from rota.planners.patrol.annealing.state import Count, Ints, Tours
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
-from rota.planners.patrol.ground.sight_kernels import allocation_free, noinline, norm
+from rota.planners.patrol.ground.sight_kernels import norm
 
 MOST_TRIED = 64  # legs that one trial makes or takes away at most
-SURE_M = 1e-9  # rounding
 
 
 @allocation_free
@@ -118,9 +107,9 @@ def new_leg(
     trims: metres of its ends that see nothing.
     """
     trim_a, trim_b = trims
-    left, tried = t.ints[SLOTS_LEFT], t.ints[TRIED_NEW]
+    left, tried = t.ints[Count.SLOTS_LEFT], t.ints[Count.TRIED_NEW]
     if left == 0 or tried == MOST_TRIED:
-        t.ints[FULL] = 1
+        t.ints[Count.FULL] = 1
         return False
     slot = t.free_slots[left - 1]
     blind = trim_a + trim_b
@@ -130,12 +119,12 @@ def new_leg(
         ax, ay, bx, by = ax + trim_a * dx, ay + trim_a * dy, bx - trim_b * dx, by - trim_b * dy
     count = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
     if count < 0:
-        t.ints[FULL] = 1
+        t.ints[Count.FULL] = 1
         return False
-    t.ints[SLOTS_LEFT] = left - 1
+    t.ints[Count.SLOTS_LEFT] = left - 1
     t.seen_n[slot] = count
     t.tried_new[tried] = slot
-    t.ints[TRIED_NEW] = tried + 1
+    t.ints[Count.TRIED_NEW] = tried + 1
     count_leg(slot, np.int64(1), s, t)
     return True
 
@@ -144,35 +133,35 @@ def new_leg(
 def old_leg(slot: int, s: Samples, t: Tours) -> None:
     """Take away what a leg sees; it joins the trial."""
     count_leg(slot, np.int64(-1), s, t)
-    t.tried_old[t.ints[TRIED_OLD]] = slot
-    t.ints[TRIED_OLD] += 1
+    t.tried_old[t.ints[Count.TRIED_OLD]] = slot
+    t.ints[Count.TRIED_OLD] += 1
 
 
 @allocation_free
 def begin(t: Tours) -> None:
     """Begin a trial."""
-    t.ints[TRIED_NEW] = 0
-    t.ints[TRIED_OLD] = 0
+    t.ints[Count.TRIED_NEW] = 0
+    t.ints[Count.TRIED_OLD] = 0
 
 
 @allocation_free
 def keep(t: Tours) -> None:
     """Keep the trial: the slots of the old legs are free again, those of the new ones are the caller's to place."""
-    for i in range(t.ints[TRIED_OLD]):
-        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_old[i]
-        t.ints[SLOTS_LEFT] += 1
-    t.ints[ACCEPTED] += 1
+    for i in range(t.ints[Count.TRIED_OLD]):
+        t.free_slots[t.ints[Count.SLOTS_LEFT]] = t.tried_old[i]
+        t.ints[Count.SLOTS_LEFT] += 1
+    t.ints[Count.ACCEPTED] += 1
 
 
 @noinline
 def undo(unseen: float, s: Samples, t: Tours) -> None:
     """Undo the trial; ``unseen`` is the weight of the unseen samples before it, to the last bit."""
-    for i in range(t.ints[TRIED_OLD]):
+    for i in range(t.ints[Count.TRIED_OLD]):
         count_leg(t.tried_old[i], np.int64(1), s, t)
-    for i in range(t.ints[TRIED_NEW] - 1, -1, -1):
+    for i in range(t.ints[Count.TRIED_NEW] - 1, -1, -1):
         count_leg(t.tried_new[i], np.int64(-1), s, t)
-        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_new[i]
-        t.ints[SLOTS_LEFT] += 1
+        t.free_slots[t.ints[Count.SLOTS_LEFT]] = t.tried_new[i]
+        t.ints[Count.SLOTS_LEFT] += 1
     t.unseen[0] = unseen
 
 
@@ -210,13 +199,13 @@ def leave_bucket(v: int, t: Tours) -> None:
 @noinline
 def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
     """A vertex of tour k at a place, in its bucket, not yet linked; the caller has made sure that one is left."""
-    t.ints[VERTICES_LEFT] -= 1
-    v = t.free_vertices[t.ints[VERTICES_LEFT]]
+    t.ints[Count.VERTICES_LEFT] -= 1
+    v = t.free_vertices[t.ints[Count.VERTICES_LEFT]]
     t.x[v], t.y[v], t.tour[v] = x, y, k
     t.leg_cost[v], t.corner_cost[v] = 0.0, 0.0
-    t.in_use[t.ints[VERTICES]] = v
-    t.place[v] = t.ints[VERTICES]
-    t.ints[VERTICES] += 1
+    t.in_use[t.ints[Count.VERTICES]] = v
+    t.place[v] = t.ints[Count.VERTICES]
+    t.ints[Count.VERTICES] += 1
     t.n[k] += 1
     enter_bucket(v, t)
     return v
@@ -229,12 +218,12 @@ def free_vertex(v: int, t: Tours) -> None:
     leave_bucket(v, t)
     t.n[k] -= 1
     t.length[k] -= t.leg_cost[v] + t.corner_cost[v]
-    t.ints[VERTICES] -= 1
-    end = t.in_use[t.ints[VERTICES]]
+    t.ints[Count.VERTICES] -= 1
+    end = t.in_use[t.ints[Count.VERTICES]]
     t.in_use[t.place[v]] = end
     t.place[end] = t.place[v]
-    t.free_vertices[t.ints[VERTICES_LEFT]] = v
-    t.ints[VERTICES_LEFT] += 1
+    t.free_vertices[t.ints[Count.VERTICES_LEFT]] = v
+    t.ints[Count.VERTICES_LEFT] += 1
 
 
 @allocation_free
@@ -245,9 +234,9 @@ def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
     t.unseen_in[:] = 0
     t.n[:] = 0
     t.ints[:] = 0
-    t.ints[SLOTS_LEFT] = t.free_slots.shape[0]
-    t.ints[VERTICES_LEFT] = t.x.shape[0]
-    t.ints[UNSEEN] = s.x.shape[0]
+    t.ints[Count.SLOTS_LEFT] = t.free_slots.shape[0]
+    t.ints[Count.VERTICES_LEFT] = t.x.shape[0]
+    t.ints[Count.UNSEEN] = s.x.shape[0]
     t.unseen[0] = 0.0
     for slot in range(t.free_slots.shape[0]):
         t.free_slots[slot] = slot

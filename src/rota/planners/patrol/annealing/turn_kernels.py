@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.state import Tours
-from rota.planners.patrol.ground.sight_kernels import allocation_free
-
-STRAIGHT2 = 1e-12  # squared sine of half an angle below which a vertex is no corner
+from rota.planners.patrol.tolerances import STRAIGHT
 
 
 @allocation_free
@@ -44,7 +43,7 @@ def rounding_m(ux: float, uy: float, vx: float, vy: float, t: Tours) -> float:
     """What a corner between the legs u and v costs a robot with mass, in the same metres, from its table."""
     before, after, table = math.sqrt(ux * ux + uy * uy), math.sqrt(vx * vx + vy * vy), t.corners
     sine2 = (1 - (ux * vx + uy * vy) / (before * after)) / 2
-    if sine2 < STRAIGHT2:
+    if sine2 < STRAIGHT * STRAIGHT:
         return float((before + after) / 2 * t.corner_leg_m[1])
     row, last = math.sqrt(min(1.0, sine2)) * (table.shape[0] - 1), table.shape[1] - 1
     longest = t.corner_leg_m[0]

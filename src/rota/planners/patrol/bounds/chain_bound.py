@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.tolerances import ROUNDING
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-6  # of a height: a point must be higher than those before by this share
 MOST_POINTS = 20_000  # of the lattices, for chains along straight lines
 DIRECTIONS = 16  # of such lines
 

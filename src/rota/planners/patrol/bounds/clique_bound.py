@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.tolerances import SURELY
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SURELY = 1 + 1e-6  # what must be exceeded is taken as longer by this, so that rounding never raises a bound
 MOST_NODES = 20_000  # of the search tree
 
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.bounds.clique_bound import SURELY
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.tolerances import SURELY
 from rota.planners.patrol.verdict import robots_in_words
 
 Floats = NDArray[np.float64]

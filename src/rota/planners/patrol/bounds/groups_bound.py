@@ -14,9 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from rota.model.mission import Robot
-from rota.planners.patrol.bounds.clique_bound import SURELY, heaviest_clique, too_far_apart, too_far_apart_reason
+from rota.planners.patrol.bounds.clique_bound import heaviest_clique, too_far_apart, too_far_apart_reason
 from rota.planners.patrol.bounds.pieces import Pieces, groupings, most_seen_m2
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.tolerances import SURELY
 
 
 def groups_bound(pieces: Pieces, robot: Robot) -> ProvedBound:

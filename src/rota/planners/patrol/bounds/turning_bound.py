@@ -31,15 +31,14 @@ from rota.model.mission import Mission, Robot
 from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
-
-WIDER = 1 + 1e-6  # the circle's radius, so that rounding and tolerances only lower the bound
+from rota.planners.patrol.tolerances import SURELY
 
 
 def circle_radius_m(mission: Mission) -> float:
     """The radius in metres of the circle that no middle of a robot leaves: that round the area, less the body's."""
     robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
     body_m = min(robot.body_radius_m for robot in robots)
-    return max(0.0, float(shapely.minimum_bounding_radius(mission.area)) - body_m) * WIDER
+    return max(0.0, float(shapely.minimum_bounding_radius(mission.area)) - body_m) * SURELY
 
 
 def steady_speed_m_s(robot: Robot, radius_m: float) -> float:

@@ -11,10 +11,10 @@ from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
 from rota.planners.patrol.driving.polylines import turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.tolerances import SLOWER
 
 Floats = NDArray[np.float64]
 
-SLOWER = 1 - 1e-6  # of full speed, so that rounding of times never shows as speeding
 SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
 # a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg itself
 ARC_SHARE = 1 - 2 / math.pi

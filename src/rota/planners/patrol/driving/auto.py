@@ -9,21 +9,27 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory, Waypoints
-from rota.planners.patrol.driving.corner_costs import LONGEST_REACHES, CornerCosts, pace_on_lanes, quarter_turn_m
+from rota.planners.patrol.driving.corner_costs import (
+    LONGEST_REACHES,
+    CornerCosts,
+    blind_m,
+    pace_on_lanes,
+    quarter_turn_m,
+)
 from rota.planners.patrol.driving.polylines import way_beside, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.tolerances import OFF_M, SAME_TIME_S
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.blend_kernels import SLIVER, blends_of, corner_table, from_rest, sampled_round
 
 Floats = NDArray[np.float64]
 
-OFF_M = 0.05  # that legs may be off the S-curves, as the check allows for a plan's accelerations
-STRAIGHT_OFF_M = 0.005  # the same along straight ways, where an acceleration near the limit leaves jumps no room
-SAME_S = 1e-9
+STRAIGHT_OFF_M = (
+    OFF_M / 10
+)  # that legs may be off the S-curves along straight ways, where an acceleration near the limit leaves jumps no room
 SHORTEST_START_S = 0.05
 UNHURRIED = 1 + 3e-3  # times as long: what samples of a start are off then exceeds no limit
 START_PIECES = 4  # for each of a chord: speeds are then so near to the S-curve that no acceleration is too great
-BLIND = math.sqrt(2)  # see ``Rounded``
 
 
 class Auto:
@@ -35,7 +41,7 @@ class Auto:
         self.robot, self.model = robot, model
         corner_m = robot.motion.corner_m
         self.off_m = min(corner_m, robot.ground_speed_m_s**2 / (2 * model.most_m_s2))
-        self.blind_m = BLIND * self.off_m
+        self.blind_m = blind_m(self.off_m)
         self._chord_s = 2 * math.sqrt(2 * OFF_M / (2 * model.most_m_s2))
         self.pace_m_s = robot.ground_speed_m_s
         self.pace_m_s = pace_on_lanes(self)
@@ -82,9 +88,9 @@ class Auto:
         slower = line.duration_s / float(times[-1, 0])
         times *= slower
         phase_s %= line.duration_s
-        k = int(np.searchsorted(times[:, 0], phase_s - SAME_S)) % len(corners_m)
+        k = int(np.searchsorted(times[:, 0], phase_s - SAME_TIME_S)) % len(corners_m)
         leaves_s = max(float(times[k, 0]) - phase_s, 0.0) if k else line.duration_s - phase_s
-        leaves_s = 0.0 if leaves_s > line.duration_s - SAME_S else leaves_s
+        leaves_s = 0.0 if leaves_s > line.duration_s - SAME_TIME_S else leaves_s
         blend_s = max(float(times[k, 1]), SHORTEST_START_S)
         nearest_s = line.times_s[np.argmin(np.abs(line.times_s - times[k, 0] - blend_s))]
         if abs(nearest_s - times[k, 0] - blend_s) < SLIVER * self._chord_s:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -26,6 +27,14 @@ class Timing(Protocol):
     def round_m(self, vertices_m: Floats) -> float:
         """Metres of one round of a closed polyline (n, 2)."""
         ...
+
+
+def blind_m(off_m: float) -> float:
+    """Metres of a leg's end that count as seen from nowhere, where a right angle is cut by ``off_m``.
+
+    So far along its legs one sees as much outwards as from the corner as it is passed.
+    """
+    return math.sqrt(2) * off_m
 
 
 def pace_on_lanes(timing: Timing, lane_m: float | None = None) -> float:

@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.planners.patrol.tolerances import HAIR_M
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHORTEST_LEG_M = 1e-6  # shorter legs are left out: they would be timed to fewer digits than the check asks
 STRAIGHT_RAD = 1e-12  # a vertex that turns less is on a straight
 
 
@@ -57,18 +58,18 @@ def timeable_kept(vertices_m: Floats) -> Ints:
     """The numbers of the vertices that stay when a closed polyline is made timeable."""
     apart = np.flatnonzero(no_repeats(vertices_m))
     keep = far_enough(vertices_m[apart])
-    while len(keep) > 1 and np.hypot(*(vertices_m[apart[keep[-1]]] - vertices_m[apart[0]])) < SHORTEST_LEG_M:
+    while len(keep) > 1 and np.hypot(*(vertices_m[apart[keep[-1]]] - vertices_m[apart[0]])) < HAIR_M:
         keep.pop()
     return np.asarray(apart[keep], dtype=np.int64)
 
 
 def far_enough(points_m: Floats) -> list[int]:
     """The numbers of the points (n, 2), from the first on, that end legs long enough to be timed."""
-    if (np.hypot(*np.diff(points_m, axis=0).T) >= SHORTEST_LEG_M).all():
+    if (np.hypot(*np.diff(points_m, axis=0).T) >= HAIR_M).all():
         return list(range(len(points_m)))
     keep = [0]
     for i in range(1, len(points_m)):
-        if np.hypot(*(points_m[i] - points_m[keep[-1]])) >= SHORTEST_LEG_M:
+        if np.hypot(*(points_m[i] - points_m[keep[-1]])) >= HAIR_M:
             keep.append(i)
     return keep
 

@@ -12,22 +12,22 @@ from rota.planners.patrol.driving import rounded_kernels as kernels
 from rota.planners.patrol.driving.corner_costs import (
     LONGEST_REACHES,
     CornerCosts,
+    blind_m,
     no_table,
     pace_on_lanes,
     quarter_turn_m,
 )
 from rota.planners.patrol.driving.polylines import way_beside, without_straight_vertices
-from rota.planners.patrol.driving.speed_kernels import BESIDE, ROWS, slopes
+from rota.planners.patrol.driving.speed_kernels import BESIDE, Row, slopes
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.tolerances import OFF_M, SLOWER
 
 Floats = NDArray[np.float64]
 
-SLOWER, GENTLER = 1 - 1e-6, 1 - 1e-3  # of full speed and of the limits, so that rounding never shows as more
-OFF_M = 0.05  # that the chords of a rounded corner may be off a motion that keeps the limits, see check.acceleration
+GENTLER = 1 - 1e-3  # than the limits, so that rounding never shows as more
 SLOWEST_M_S = 1e-3  # slower is at rest
 SLOPE_M = 0.02  # by which vertices are moved to see what moves cost
 STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
-BLIND = math.sqrt(2)  # as a corner of a right angle is passed: so far along its legs, one sees as much outwards
 
 
 class Rounded:
@@ -51,7 +51,7 @@ class Rounded:
         )
         self.step_s = 2 * math.sqrt(2 * OFF_M / self.limits.corner_m_s2)
         self.off_m = min(self.limits.cut_m, self.limits.speed_m_s**2 / (2 * self.limits.corner_m_s2))
-        self.blind_m = BLIND * self.off_m
+        self.blind_m = blind_m(self.off_m)
         self.pace_m_s = robot.ground_speed_m_s
         self.pace_m_s = pace_on_lanes(self)
         longest_m = LONGEST_REACHES * robot.sensor.reach_m
@@ -82,11 +82,11 @@ class Rounded:
 
     def slopes(self, vertices_m: Floats) -> tuple[Floats, Floats]:
         """What moves of vertices cost; see ``Driving``."""
-        ring = np.zeros((ROWS, len(vertices_m)))
+        ring = np.zeros((len(Row), len(vertices_m)))
         ring[:2] = vertices_m.T
         growth, bends = np.zeros_like(vertices_m), np.zeros_like(vertices_m)
         if len(vertices_m) > 2:
-            slopes(ring, np.zeros((ROWS, 2 * BESIDE + 1)), self.corner_costs.limits, SLOPE_M, growth, bends)
+            slopes(ring, np.zeros((len(Row), 2 * BESIDE + 1)), self.corner_costs.limits, SLOPE_M, growth, bends)
         return growth, bends
 
     def _rows(self, corners_m: Floats) -> Floats:

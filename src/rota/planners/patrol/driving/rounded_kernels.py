@@ -19,11 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
+from rota.planners.patrol.tolerances import SHORTEST_S, STRAIGHT
 
 BISECTIONS = 40
-STRAIGHT = 1e-6  # sine of half an angle below which a vertex is no corner
 STRAIGHT_BACK = 1 - 1e-9  # from which on a corner leads back along the way to it
-SHORTEST_S = 1e-6  # a change of speed in less is part of the leg after it
 SHORT = 1 - 1e-9  # of half a leg, to which a rounding reaches
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, TOUCH_M, sectors_from_x
+from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_from_x
+from rota.planners.patrol.tolerances import ON_LINE_M
 
 SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
 ROUNDING = 1e-9  # of a sector: a wall that ends so near a border may reach across it
@@ -57,7 +58,7 @@ def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any
     turn = ux * vy - uy * vx
     wx, wy = vx - ux, vy - uy
     square = wx * wx + wy * wy
-    if turn * turn <= TOUCH_M * TOUCH_M * square:
+    if turn * turn <= ON_LINE_M * ON_LINE_M * square:
         if ux * vx + uy * vy < 0:  # the point lies on it; a wall seen from its end hides nothing
             clear[:] = 0.0
         return
@@ -75,6 +76,6 @@ def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any
         begins = ends[0] if step == 0 else turn / (bx * wy - by * wx)
         ends_at = ends[1] if step == count - 1 else turn / (ex * wy - ey * wx)
         near = turn / math.sqrt(square) if inside and foot == k else min(begins, ends_at)
-        clear[k] = min(clear[k], max(0.0, near - 2 * TOUCH_M))
+        clear[k] = min(clear[k], max(0.0, near - 2 * ON_LINE_M))
         if 0 < step < count - 1:
             blocked[k] = min(blocked[k], max(begins, ends_at))

@@ -14,12 +14,12 @@ from rota.geometry.free_space import standing_space_in
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.tolerances import HAIR_M
 
 Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
 FINE_ARC_CORNERS = (128, 2048)
-SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
 GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
 CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
@@ -83,7 +83,7 @@ def with_patches(
         at = sorted(int(k) for k in tree.query(patch, predicate="intersects"))
         if not at:
             continue
-        k, others = at[0], [wider[i].buffer(SEAM_M) for i in at[1:]]
+        k, others = at[0], [wider[i].buffer(HAIR_M) for i in at[1:]]
         others += [ground for part, ground in kept_off if part == k]
         grown = shapely.union(wider[k], shapely.difference(patch, shapely.union_all(others)))
         grown = max(shapely.get_parts(grown), key=lambda part: float(part.area))

@@ -17,12 +17,12 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import rows_in_order
+from rota.planners.patrol.tolerances import HAIR_M
 
 SPARE = 1.01  # of two bodies: centres are kept apart by that
 QUARTER_CORNERS = 4  # of a quarter turn round a robot that stays
 MOST_LOST = 1e-3  # of a part: where more is cut off, the robot that stays is in everybody's way
 WAIT_SPARE, WAIT_QUARTER_CORNERS = 1.0005, 64  # the same round one that waits for who takes turns with it
-INSET_M = 1e-6  # by so much such a robot waits off the border of its pocket
 
 
 def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Sequence[int]) -> Problem:
@@ -52,7 +52,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
                 parts[k] = part
                 kept_off.append((k, taken))
     # another robot that stays may have taken the place
-    waits_m = {k: place_m for k, place_m in waits_m.items() if parts[k].distance(Point(place_m)) < INSET_M}
+    waits_m = {k: place_m for k, place_m in waits_m.items() if parts[k].distance(Point(place_m)) < HAIR_M}
     if waits_m != dict(problem.waits_m):
         problem = replace(problem, waits_m=tuple(waits_m.items()))
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
@@ -71,7 +71,7 @@ def grow(shape: BaseGeometry, by_m: float, quarter_corners: int) -> Polygon:
 
 def farthest_place(pocket: BaseGeometry, others: Sequence[Polygon]) -> Point:
     """The place in a pocket that is farthest from the others, a hair off its border."""
-    inside = shapely.buffer(pocket, -INSET_M)
+    inside = shapely.buffer(pocket, -HAIR_M)
     places = shapely.points(shapely.get_coordinates(pocket.representative_point() if inside.is_empty else inside))
     return Point(places[int(np.argmax(shapely.distance(places, shapely.union_all(others))))])
 

@@ -15,12 +15,12 @@ from rota.model.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
+from rota.planners.patrol.tolerances import HAIR_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PAIRS_TOGETHER = 200_000  # of points and sides: of so many that there are a group of near points is made
-SLACK_M = 1e-6  # by which ranges that count as equal may differ, and more
 
 
 def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: Robot) -> tuple[Floats, Floats]:
@@ -58,7 +58,7 @@ def _nearest_on_border(points_m: Floats, space: MultiPolygon, square: int) -> tu
 
     def nearest(group: Ints) -> None:
         low, high = points_m[group].min(axis=0), points_m[group].max(axis=0)
-        far_m = most_m[group].max() + SLACK_M
+        far_m = most_m[group].max() + HAIR_M
         near = np.sort(tree.query(shapely.box(*(low - far_m), *(high + far_m))))
         places[group], ranges[group] = nearest_on_segments(points_m[group], border[near], square)
 

@@ -33,12 +33,12 @@ from rota.planners.patrol.ground.viewpoints import (
 )
 from rota.planners.patrol.loop_settings import SamplingSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.tolerances import OUT_OF_REACH
 from rota.planning.stopping import require_going_on
 
 Floats = NDArray[np.float64]
 
 LAID_OUT = "all that the mission asks for was laid out"
-OUT_OF_REACH = 1.01  # of the reach: what is farther from where robots surely come to, nobody sees
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
 

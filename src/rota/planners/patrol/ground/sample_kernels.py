@@ -9,20 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
+from rota.compiled.kernel import allocation_free, always_inline, noinline
 from rota.planners.patrol.ground.sight_kernels import (
     DEPTH_SECTORS,
-    STANDING_M2,
-    TOUCH_M,
     Line,
-    allocation_free,
-    always_inline,
     end_of_hiding,
     hides_all,
     nearest_in_range,
-    noinline,
     range_interval,
     sectors_from_x,
 )
+from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -157,7 +154,7 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
             break
     if not hidden:
         return True
-    if line.dx * line.dx + line.dy * line.dy < STANDING_M2:
+    if line.dx * line.dx + line.dy * line.dy < SAME_PLACE_M * SAME_PLACE_M:
         return False
     t, last = range_interval(line, reach, square)
     ex, ey = line.px + last * line.dx, line.py + last * line.dy
@@ -195,7 +192,7 @@ def lattice_runs(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
     """The part of ``leg_sees`` that lies on lattices."""
     dx, dy = leg.bx - leg.ax, leg.by - leg.ay
     aa = dx * dx + dy * dy
-    per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
+    per_aa = 1 / aa if aa >= SAME_PLACE_M * SAME_PLACE_M else 0.0
     per_dy = 1 / dy if dy != 0.0 else 0.0
     per_leg = 1 / math.sqrt(aa) if aa > 0 else 0.0
     written = 0
@@ -239,7 +236,7 @@ def frame_runs(f: int, leg: Leg, lane: Lane, per_aa: float, s: Samples, out: Any
             until = min(end, next_walled[i])
             if until == i:
                 line = Line(leg.ax - xs[i], leg.ay - ys[i], lane.dx, lane.dy)
-                t = nearest_in_range(line, per_aa, lane.r, square, TOUCH_M)
+                t = nearest_in_range(line, per_aa, lane.r, square, ON_LINE_M)
                 if t < 0 or not in_sight(line, t, lane.r, square, i, s):
                     i += 1
                     continue
@@ -270,7 +267,7 @@ def loose_runs(leg: Leg, period_class: int, s: Samples, out: Any, written: int) 
     y1 = min(rows - 1, int((max(leg.ay, leg.by) + far - low) / cell))
     dx, dy = leg.bx - leg.ax, leg.by - leg.ay
     aa = dx * dx + dy * dy
-    per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
+    per_aa = 1 / aa if aa >= SAME_PLACE_M * SAME_PLACE_M else 0.0
     room = out.shape[0] - 1
     if x0 > x1:
         return written

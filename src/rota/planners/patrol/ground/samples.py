@@ -18,11 +18,10 @@ from rota.model.mission import Robot, inner_reach_m
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import TOUCH_M
 from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
+from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
-ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
 POINTS_TOGETHER = 2_000  # for which walls are looked for in one thread
 MOST_CELLS = 4_000_000  # into which walls are sorted
 WALL_MARGIN = 0.001  # of the inner reach: walls count as longer by this at both ends
@@ -178,10 +177,10 @@ def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: in
     parts = polygons_of(inside).geoms
     if not parts:
         touched = shapely.get_coordinates(inside.point_on_surface())
-        return points_of(touched, area_m2, period, index, visit_m=ON_THE_SPOT_M)
+        return points_of(touched, area_m2, period, index, visit_m=SAME_PLACE_M)
     ends = shapely.get_coordinates(shapely.maximum_inscribed_circle(max(parts, key=lambda part: float(part.area))))
     radius_m = float(np.hypot(*(ends[1] - ends[0])))
-    return points_of(ends[:1], area_m2, period, index, visit_m=max(0.98 * radius_m, ON_THE_SPOT_M))
+    return points_of(ends[:1], area_m2, period, index, visit_m=max(0.98 * radius_m, SAME_PLACE_M))
 
 
 def prepare(
@@ -240,7 +239,7 @@ def prepare(
         frame_ints=frame_ints,
         column_start=column_start,
         bin_start=start.astype(np.int64),
-        origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + TOUCH_M]),
+        origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + ON_LINE_M]),
         bins=bins.astype(np.int64),
     )
     return samples, order

@@ -3,34 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, always_inline
+from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
-STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
-TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 DEPTH_SECTORS = 32  # of directions round a sample, a multiple of 4
-
-
-def allocation_free(function: Callable[..., Any]) -> Any:
-    """A compiled function that allocates no array.
-
-    Such functions pass tuples of many arrays to each other; to count references to every array on every call (numba's
-    runtime, "nrt") would take more time than all the rest.
-    """
-    return kernel(**OPTIONS)(function)
-
-
-def noinline(function: Callable[..., Any]) -> Any:
-    """The same for a large function, which its callers call instead of taking it in: they compile in less time."""
-    return kernel(**OPTIONS, noinline=True)(function)
-
-
-def always_inline(function: Callable[..., Any]) -> Any:
-    """A compiled function that becomes part of its callers."""
-    return kernel(**OPTIONS, inline="always")(function)
 
 
 class Line(NamedTuple):
@@ -63,10 +41,10 @@ def end_of_hiding(t: float, ux: float, uy: float, vx: float, vy: float, line: Li
     # the shadow is where all three are positive: behind the wall, and between the rays through its ends
     at, slope = wy * (px - ux) - wx * (py - uy), wy * dx - wx * dy
     now = at + t * slope
-    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+    if turn * turn <= ON_LINE_M * ON_LINE_M * (wx * wx + wy * wy):
         if turn >= 0:  # the sign above is for the side away from the point; the side of the obstacle counts here
             at, slope, now = -at, -slope, -now
-        now -= TOUCH_M * norm(wx, wy)
+        now -= ON_LINE_M * norm(wx, wy)
         if now <= 0 or ux * vx + uy * vy >= 0 or min(ux * ux + uy * uy, vx * vx + vy * vy) <= corner * corner:
             return t
         return t - now / slope if slope < 0 else math.inf
@@ -109,7 +87,7 @@ def range_interval(line: Line, reach: float, square: int) -> tuple[float, float]
     aa = dx * dx + dy * dy
     ab = px * dx + py * dy
     cc = px * px + py * py - reach * reach
-    if aa < STANDING_M2:
+    if aa < SAME_PLACE_M * SAME_PLACE_M:
         return (0.0, 1.0) if cc <= 0 else (1.0, 0.0)
     under = ab * ab - aa * cc
     if under < 0:

@@ -18,13 +18,13 @@ from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
 from rota.planners.patrol.ground.samples import MANY_CORNERS
+from rota.planners.patrol.tolerances import SLIVER_M2
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners
-POCKET_ARC_CORNERS = 128  # the same there, beside pockets of the space
+POCKET_ARC_CORNERS = 128  # the same beside pockets of the space, which coarse arcs would part from it
 GRAZE_M = 9e-7  # by so much bodies may touch the walls of a scanned floor; a plan may have them touch by 1e-6 m
 CLEARANCE = 2e-3  # of its radius by which a body keeps off walls on its way from an entrance
-SLIVER_M2 = 1e-6
 FINE_ARC_M = 0.0005  # at the limit of sight a corner may keep a robot at most this much farther off than its body does
 
 

@@ -14,11 +14,11 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.tiles import Box, grown_box
+from rota.planners.patrol.tolerances import OUT_OF_REACH
 
 Floats = NDArray[np.float64]
 
 MANY_WALLS = 5_000  # with fewer, all of the ground is looked at
-BEYOND = 1.01  # of the reach: views end in a polygon round their circle
 MOST_KEPT = 3  # grounds
 
 
@@ -40,7 +40,7 @@ class Surroundings:
         found = self._cells.get((i, j))
         if found is None:
             cell = (i * self.reach_m, j * self.reach_m, (i + 1) * self.reach_m, (j + 1) * self.reach_m)
-            found = self._cells[i, j] = self._within(grown_box(cell, BEYOND * self.reach_m))
+            found = self._cells[i, j] = self._within(grown_box(cell, OUT_OF_REACH * self.reach_m))
         return found
 
     def _within(self, box: Box) -> tuple[BaseGeometry, Floats]:

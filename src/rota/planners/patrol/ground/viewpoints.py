@@ -19,7 +19,6 @@ from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import (
-    ON_THE_SPOT_M,
     Rows,
     SamplePoints,
     known_walls,
@@ -30,6 +29,7 @@ from rota.planners.patrol.ground.samples import (
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
+from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,8 +38,6 @@ MOST_CANDIDATES = 60_000
 PLACES_TOGETHER = 2_000  # from which one thread looks
 CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
 COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
-SLIVER_M = 1e-6  # a view no wider than twice this is a sliver
-HAIR_M = 1e-6  # a range shorter than the reach by less than this counts as the whole reach
 
 
 class Viewpoints(NamedTuple):
@@ -111,7 +109,7 @@ def place_that_sees(
     None where there is none, or where the view is a sliver: what it sees beside the point is seen from its rim only.
     """
     reach, square = sensor_arguments(robot, range_margin_m)
-    if visit_m > 0 and space.distance(shapely.Point(point_m)) <= ON_THE_SPOT_M:
+    if visit_m > 0 and space.distance(shapely.Point(point_m)) <= SAME_PLACE_M:
         return np.asarray(point_m, dtype=np.float64)
     if visit_m > 0:
         places: BaseGeometry = shapely.Point(point_m).buffer(visit_m).intersection(space)
@@ -128,7 +126,7 @@ def place_that_sees(
     if not parts:
         return np.asarray(shapely.get_coordinates(places)[0])
     largest = max(parts, key=lambda part: float(part.area))
-    if largest.area < SLIVER_M * largest.length:
+    if largest.area < HAIR_M * largest.length:
         return None
     return np.asarray(shapely.get_coordinates(largest.point_on_surface())[0])
 

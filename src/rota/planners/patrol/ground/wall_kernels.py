@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import TOUCH_M, norm
+from rota.planners.patrol.ground.sight_kernels import norm
+from rota.planners.patrol.tolerances import ON_LINE_M
 
 MANY_WALLS = 40  # round a point: from this number on they are sorted by direction
 MOST_SECTORS = 256  # into which they are sorted
@@ -155,7 +156,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
         sector = sector if sector < sectors else sector - sectors
         for n in range(start[sector], start[sector + 1]):
             j = inside[n]
-            if away[j] > near * (1 + 1e-9) + TOUCH_M:
+            if away[j] > near * (1 + 1e-9) + ON_LINE_M:
                 break
             far = ray_hits(dx, dy, walls[items[j]], x, y)
             if far < near or (far == near and j < hit):
@@ -196,7 +197,7 @@ def lies_on(wall: Any, x: float, y: float) -> Any:
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
     wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx
-    return turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
+    return turn * turn <= ON_LINE_M * ON_LINE_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
 
 
 @kernel(error_model="numpy")
@@ -205,7 +206,7 @@ def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
     wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx
-    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+    if turn * turn <= ON_LINE_M * ON_LINE_M * (wx * wx + wy * wy):
         return math.inf
     across = dx * wy - dy * wx
     if across == 0.0:

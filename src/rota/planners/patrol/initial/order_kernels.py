@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import allocation_free
+from rota.compiled.kernel import allocation_free, kernel
 
 
 @kernel

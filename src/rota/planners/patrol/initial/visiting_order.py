@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.order_kernels import improve_once, nearest_neighbour_tour
+from rota.planners.patrol.tolerances import SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NEIGHBOURS = 12
-LEAST_GAIN_M = 1e-9
 ROUNDING = 4 * np.finfo(np.float64).eps  # of the largest distance: by how much sums of four may be off
 
 
@@ -31,7 +31,7 @@ def short_order(distance_m: Floats, should_stop: Callable[[], bool] = lambda: Fa
     distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
     order: Ints = nearest_neighbour_tour(distance_m)
     near = nearest_places(distance_m, NEIGHBOURS)
-    least_m = max(LEAST_GAIN_M, ROUNDING * float(np.abs(distance_m).max()))
+    least_m = max(SAME_PLACE_M, ROUNDING * float(np.abs(distance_m).max()))
     while not should_stop() and improve_once(distance_m, near, least_m, order):
         pass
     return order

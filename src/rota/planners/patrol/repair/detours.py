@@ -14,12 +14,12 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.repair.last_places import ONE_PLACE_M, near_to, ways_to_hidden
+from rota.planners.patrol.tolerances import ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour, room_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ON_ROUTE_M = 1e-7  # a place so near a route is on it
 FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
 
 
@@ -69,7 +69,7 @@ def led_past(problem: Problem, tours: list[Tour], way_m: Floats, period: int) ->
     straight_m = {k: float(straight_detours(tours[k].vertices_m, place_m).min()) for k in able}
     best: tuple[float, int, int] | None = None
     for k in sorted(able, key=straight_m.__getitem__):
-        if best is not None and straight_m[k] > best[0] + ON_ROUTE_M:
+        if best is not None and straight_m[k] > best[0] + ON_LINE_M:
             break  # no detour is shorter than straight
         tour = tours[k]
         i, detour_m = least_detour(problem, tour.vertices_m, place_m)
@@ -117,7 +117,7 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
     while first < len(order):
         some = order[first : first + count]
         first, count = first + count, min(2 * count, MOST_DETOURS)
-        if straight_m[some[0]] > best[0] + ON_ROUTE_M:
+        if straight_m[some[0]] > best[0] + ON_LINE_M:
             break
         ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]
         detours_m = ways_m[: len(some)] + ways_m[len(some) :] - legs_m[some]

@@ -18,13 +18,13 @@ from rota.planners.patrol.ground.samples import SamplePoints, lay_out
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoints import place_that_sees, what_places_see
+from rota.planners.patrol.tolerances import SAME_PLACE_M
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
-ON_BORDER_M = 1e-9  # a place so near a border is on it
 OFF_BORDER_M = 1e-8  # a place so far inside is surely inside
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
@@ -176,5 +176,5 @@ def places_in_view(problem: Problem, point_m: Floats) -> BaseGeometry:
 def ends_of(places: BaseGeometry, space: MultiPolygon) -> Floats:
     """The sides (k, 4) of the places where the space ends too; all their sides where there are none."""
     sides = segments_of(places)
-    on_border = shapely.dwithin(space.boundary, shapely.points(sides.reshape(-1, 2, 2)), ON_BORDER_M).all(axis=1)
+    on_border = shapely.dwithin(space.boundary, shapely.points(sides.reshape(-1, 2, 2)), SAME_PLACE_M).all(axis=1)
     return sides[on_border] if on_border.any() else sides

@@ -15,7 +15,7 @@ from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
-from rota.planners.patrol.repair.detours import ON_ROUTE_M
+from rota.planners.patrol.tolerances import ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.verdict import Verdict
 
@@ -73,6 +73,6 @@ def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tupl
     at_rim = np.flatnonzero((ranges_m > problem.reach_m - problem.range_margin_m) & (ranges_m <= problem.reach_m))
     routes = shapely.union_all([shapely.linestrings(np.vstack([t.vertices_m, t.vertices_m[:1]])) for t in tours])
     missed = np.zeros(len(xy_m), dtype=bool)
-    missed[at_rim] = shapely.distance(routes, shapely.points(places_m[at_rim])) > ON_ROUTE_M
+    missed[at_rim] = shapely.distance(routes, shapely.points(places_m[at_rim])) > ON_LINE_M
     order = np.lexsort((np.where(ranges_m <= problem.reach_m, -ranges_m, np.inf), ~missed))
     return order.astype(np.int64), ranges_m[order]

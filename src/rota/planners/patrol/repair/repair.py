@@ -29,6 +29,7 @@ from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
+from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.tours.curves import curve_tours
 from rota.planners.patrol.tours.timetable import as_trajectories, begin_by_autopilots
 from rota.planners.patrol.tours.tour import Tour, over_budget_share, tour_length_m, unfold_nests
@@ -38,8 +39,6 @@ from rota.planners.patrol.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-ROUNDING = 1e-6  # share of the budgets by which sums of many legs may be off
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.tours.tour import Tour, nests, tour_length_m, unfold_nests
 
-GAIN = 1e-6  # share by which loops must be shorter to count as such
 HOPELESS = 1.005  # times as long: later rounds of repair take half a percent back, hardly ever more
 
 
@@ -42,4 +42,4 @@ def is_better(new: Repaired, old: Repaired, *, fewest_turns: bool) -> bool:
     length_m, least_m = loops_m(new.tours), loops_m(old.tours)
     if fewest_turns:
         return length_m <= least_m and turning_rad(new.tours) < turning_rad(old.tours)
-    return length_m < least_m * (1 - GAIN)
+    return length_m < least_m * (1 - ROUNDING)

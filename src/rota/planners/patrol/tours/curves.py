@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
 from rota.planners.patrol.driving.polylines import timeable
+from rota.planners.patrol.tolerances import HAIR_M
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
     STEP_RAD,
@@ -31,7 +32,6 @@ HEADINGS = 24  # in which a curve may pass a vertex, beside those along the near
 RADIUS_TO_SPARE = 1 + 1e-3  # arcs are planned so much wider, so that legs too short to be timed never show
 
 STRAIGHTENINGS = 4  # of an approach's beginning, which may have any heading
-SAME_M = 1e-6  # ways whose lengths differ by less are equally long
 
 
 def _never() -> bool:
@@ -121,7 +121,7 @@ class _Curve:
         kept, self._headings = self._headings, self._headings.copy()
         self._headings[0, h] = math.atan2(*(corners[1] - corners[0])[::-1])
         self._measure(0)
-        if self._length_m() > before_m + SAME_M:
+        if self._length_m() > before_m + HAIR_M:
             self._headings = kept
             self._measure(0)
 

@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
-from rota.planners.patrol.driving.at_once import SLOWER
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.driving import driving_of
-from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, timeable
+from rota.planners.patrol.driving.polylines import timeable
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 from rota.planners.patrol.tours.tour import Pace, Tour
 
 Floats = NDArray[np.float64]
-
-SHORTEST_WAIT_S = 1e-6
 
 
 def loop_timetable(vertices_m: Floats, robot: Robot) -> TimedLine:
@@ -61,7 +59,7 @@ def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> TimedLine:
         ring = timeable(vertices)
         ends = np.roll(ring, -1, axis=0)
         arrives_s = np.cumsum(np.hypot(*(ends - ring).T)) / speed_m_s
-        if round_s - arrives_s[-1] > SHORTEST_WAIT_S:
+        if round_s - arrives_s[-1] > SHORTEST_S:
             arrives_s, ends = np.append(arrives_s, round_s), np.vstack([ends, ends[-1:]])
         arrives_s[-1] = round_s
         keep = arrives_s > 0
@@ -104,8 +102,8 @@ def begin_by_autopilots(tours: Sequence[Tour], trajectories: Sequence[Trajectory
         if isinstance(driving, Auto) and trajectory.loop_duration_s > 0:
             line = driving.timed(tour.vertices_m)
             begins_m = line.at(np.array([share * line.duration_s]))[0]
-            as_fast = abs(line.duration_s - trajectory.loop_duration_s) <= SHORTEST_WAIT_S
-            if as_fast and np.hypot(*(begins_m - trajectory.positions_m[0])) <= SHORTEST_LEG_M:
+            as_fast = abs(line.duration_s - trajectory.loop_duration_s) <= SHORTEST_S
+            if as_fast and np.hypot(*(begins_m - trajectory.positions_m[0])) <= HAIR_M:
                 made = driving.begin_at_a_corner(trajectory.robot, tour.vertices_m, share * line.duration_s)
         begun.append(made or trajectory)
     return tuple(begun)

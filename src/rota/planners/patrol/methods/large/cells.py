@@ -17,13 +17,13 @@ from rota.geometry.free_space import DemandedRegion, demanded_regions
 from rota.model.mission import Fleet, Mission, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.tolerances import SLIVER_M2
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ELSEWHERE = "outside the district"
 BISECTIONS = 40
-SLIVER_M2 = 1e-6  # a zone that has no more than that in a box is rounding of the cut
 
 
 class Entered(NamedTuple):

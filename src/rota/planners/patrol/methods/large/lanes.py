@@ -26,6 +26,7 @@ from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, t
 from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_itself, not_more, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
+from rota.planners.patrol.tolerances import ON_LINE_M, ROUNDING
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -41,8 +42,6 @@ ROWS_WORTH = 1.25  # multiples of the robots that perfect lanes take up to which
 ROWS_ENOUGH = 1.1  # up to which boxes are not tried after them: they seldom come below
 LAYING = 3  # times that rows are laid, for lengths that loops came to
 HEADROOM = 2e-3  # share of the budgets that rows laid anew leave besides
-ROUNDING = 1e-6  # share of the budgets that tours leave
-ON_BORDER_M = 1e-7  # rounding of a loop that lies on the border of the space
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
 
 
@@ -125,7 +124,7 @@ def tours_over_columns(problem: Problem, ground: SweepGround, rows: Rows, reserv
         MultiPolygon(polygons(turn_shape(shapely.union_all(column.lanes), rows.angle_rad))) for column in rows.columns
     ]
     nearest = nearest_areas(ground.stops_m, areas)
-    swath, room = sensing(problem, rows.angle_rad), shapely.buffer(problem.space, ON_BORDER_M)
+    swath, room = sensing(problem, rows.angle_rad), shapely.buffer(problem.space, ON_LINE_M)
     shapely.prepare(room)
     tours = []
     for k, column in enumerate(rows.columns):

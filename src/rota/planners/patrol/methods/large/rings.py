@@ -10,10 +10,9 @@ from shapely import LineString
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.methods.large.rows import Column
 from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends
+from rota.planners.patrol.tolerances import SAME_PLACE_M
 
 Floats = NDArray[np.float64]
-
-STRAIGHT_M = 1e-9  # vertices so near to the line between their neighbours are left out
 
 
 def ring_over(column: Column, swath: Swath) -> Floats:
@@ -33,5 +32,5 @@ def ring_over(column: Column, swath: Swath) -> Floats:
     there = np.stack([ends, np.repeat(column.heights_m[:, None], 2, axis=1)], axis=2)  # lane, end, axis
     there[1::2] = there[1::2, ::-1]
     ring = np.vstack([there.reshape(-1, 2), back[1:-1]])
-    closed = LineString(np.vstack([ring, ring[:1]])).simplify(STRAIGHT_M)
+    closed = LineString(np.vstack([ring, ring[:1]])).simplify(SAME_PLACE_M)
     return np.asarray(shapely.get_coordinates(closed)[:-1])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rota.planners.patrol.methods.sun2019 import sight_kernels, swarm_kernels, update_kernels
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.rule_kernels import MovementLaw, Terrain
-from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, FLAG, Particles, Swarms
+from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, At, Particles, Swarms
 from rota.planners.patrol.methods.sun2019.update_kernels import Iteration, Rules, Scratch, VelocityLaw
 from rota.planners.patrol.methods.sun2019.zones import CoverTask
 
@@ -175,5 +175,5 @@ def _threads(threads: int | None, particles: int) -> int:
 
 def _deployed_m(context: Particles, box: Floats) -> Floats:
     """Where the context's deployed sensors are, (k, 2) metres; those in obstacles see nothing and are left out."""
-    keep = (context.place[0, :, FLAG] >= DEPLOYED) & (context.off[0] == 0)
-    return np.asarray(box[:2] + context.place[0, keep, :FLAG] * box[2:])
+    keep = (context.place[0, :, At.FLAG] >= DEPLOYED) & (context.off[0] == 0)
+    return np.asarray(box[:2] + context.place[0, keep, : At.FLAG] * box[2:])

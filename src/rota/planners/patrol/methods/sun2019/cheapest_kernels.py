@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.ground.sight_kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
 from rota.planners.patrol.methods.sun2019.pso_kernels import Rules, cost_of
 

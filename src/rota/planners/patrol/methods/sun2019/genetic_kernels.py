@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 
 class Population(NamedTuple):

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.ground.sight_kernels import allocation_free, norm
+from rota.compiled.kernel import allocation_free
+from rota.planners.patrol.ground.sight_kernels import norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

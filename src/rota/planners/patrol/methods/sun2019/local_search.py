@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.order_kernels import nearest_neighbour_tour
 from rota.planners.patrol.initial.visiting_order import nearest_places
-from rota.planners.patrol.methods.sun2019.local_search_kernels import DEEPEST, NUMBERS, QUEUED, Search, improve, kicks
+from rota.planners.patrol.methods.sun2019.local_search_kernels import DEEPEST, Count, Search, improve, kicks
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -47,7 +47,7 @@ def locally_shortest_tour(
         return order, np.array([tour_length(distance, order)])
     search = _lay_out(distance, neighbours(distance, nearness), seed)
     eps = ROUNDING * float(distance.max())
-    while search.ints[QUEUED]:  # more than once only if there was no room to write all reversals down
+    while search.ints[Count.QUEUED]:  # more than once only if there was no room to write all reversals down
         improve(eps, search)
         search.ints[0] = 0
     history = [tour_length(distance, search.order)]
@@ -97,8 +97,8 @@ def _lay_out(distance: Floats, near: Ints, seed: int) -> Search:
     order = nearest_neighbour_tour(distance)
     place = np.empty(n, dtype=np.int64)
     place[order] = np.arange(n)
-    ints = np.zeros(NUMBERS, dtype=np.int64)
-    ints[QUEUED] = n
+    ints = np.zeros(len(Count), dtype=np.int64)
+    ints[Count.QUEUED] = n
     return Search(
         d=distance,
         near=near,

@@ -7,18 +7,24 @@ nothing, and a kick after which the search ends worse than before, are undone by
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.initial.order_kernels import reverse_places
 
-# places in Search.ints
-REVERSALS, QUEUED, QUEUE_FIRST = range(3)
-NUMBERS = 3
 DEEPEST = 12  # 2-opt moves of one chain
+
+
+class Count(IntEnum):
+    """Places in ``Search.ints``."""
+
+    REVERSALS = 0
+    QUEUED = 1
+    QUEUE_FIRST = 2
 
 
 class Search(NamedTuple):
@@ -63,9 +69,9 @@ def reverse_path(u: int, v: int, s: Search) -> bool:
     rest = 2 * long > n
     if rest:
         first, last = last + 1 if last + 1 < n else 0, first - 1 if first > 0 else n - 1
-    at = s.ints[REVERSALS]
+    at = s.ints[Count.REVERSALS]
     s.reversed[at, 0], s.reversed[at, 1] = first, last
-    s.ints[REVERSALS] = at + 1
+    s.ints[Count.REVERSALS] = at + 1
     if long < n:
         reverse_places(first, last, s.order, s.place)
     return rest
@@ -75,11 +81,11 @@ def reverse_path(u: int, v: int, s: Search) -> bool:
 def undo_to(mark: int, s: Search) -> None:
     """Undo all reversals but the first ``mark``."""
     n = s.order.shape[0]
-    for at in range(s.ints[REVERSALS] - 1, mark - 1, -1):
+    for at in range(s.ints[Count.REVERSALS] - 1, mark - 1, -1):
         first, last = s.reversed[at, 0], s.reversed[at, 1]
         if (last + 1) % n != first:
             reverse_places(first, last, s.order, s.place)
-    s.ints[REVERSALS] = mark
+    s.ints[Count.REVERSALS] = mark
 
 
 @allocation_free
@@ -102,8 +108,8 @@ def enqueue(waypoint: int, s: Search) -> None:
         return
     n = s.order.shape[0]
     s.in_queue[waypoint] = True
-    s.queue[(s.ints[QUEUE_FIRST] + s.ints[QUEUED]) % n] = waypoint
-    s.ints[QUEUED] += 1
+    s.queue[(s.ints[Count.QUEUE_FIRST] + s.ints[Count.QUEUED]) % n] = waypoint
+    s.ints[Count.QUEUED] += 1
 
 
 @allocation_free
@@ -114,7 +120,7 @@ def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
     promising neighbour. Returns the gain, with the tour left where it was best; 0.0, with the tour as before, for no
     gain.
     """
-    mark = s.ints[REVERSALS]
+    mark = s.ints[Count.REVERSALS]
     for start in range(s.near.shape[1]):
         toward = way
         t2 = beside(t1, toward, s)
@@ -144,7 +150,7 @@ def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
             t2 = y
             s.touched[2 * depth + 2], s.touched[2 * depth + 3] = x, y
             if open_gain - s.d[t1, y] > best:
-                best, best_mark, best_touched = open_gain - s.d[t1, y], s.ints[REVERSALS], 2 * depth + 4
+                best, best_mark, best_touched = open_gain - s.d[t1, y], s.ints[Count.REVERSALS], 2 * depth + 4
         if best > eps:
             undo_to(best_mark, s)
             for k in range(best_touched):
@@ -211,12 +217,12 @@ def improve(eps: float, s: Search) -> float:
     n = s.order.shape[0]
     room = s.reversed.shape[0] - 2 * DEEPEST - 8
     total = 0.0
-    while s.ints[QUEUED] > 0:
-        a = s.queue[s.ints[QUEUE_FIRST]]
-        s.ints[QUEUE_FIRST] = (s.ints[QUEUE_FIRST] + 1) % n
-        s.ints[QUEUED] -= 1
+    while s.ints[Count.QUEUED] > 0:
+        a = s.queue[s.ints[Count.QUEUE_FIRST]]
+        s.ints[Count.QUEUE_FIRST] = (s.ints[Count.QUEUE_FIRST] + 1) % n
+        s.ints[Count.QUEUED] -= 1
         s.in_queue[a] = False
-        while s.ints[REVERSALS] < room:
+        while s.ints[Count.REVERSALS] < room:
             gain = chain_of_two_opts(a, 1, eps, s)
             if gain == 0.0:
                 gain = chain_of_two_opts(a, -1, eps, s)
@@ -249,7 +255,7 @@ def kicks(count: int, longest: int, eps: float, s: Search) -> float:
     """Kick and improve ``count`` times and undo whatever left the tour longer; returns the gain of all kicks."""
     total = 0.0
     for _ in range(count):
-        s.ints[REVERSALS] = 0
+        s.ints[Count.REVERSALS] = 0
         change = kick(longest, s)
         gain = improve(eps, s) - change
         if gain < 0.0:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.patrol.ground.sight_kernels import allocation_free
+from rota.compiled.kernel import allocation_free
 
 TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
 

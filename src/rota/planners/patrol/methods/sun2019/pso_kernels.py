@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
 
 

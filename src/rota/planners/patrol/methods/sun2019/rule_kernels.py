@@ -7,10 +7,10 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground, is_place
-from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, FLAG, X, Y
+from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, At
 
 TRIES = 8  # at a random place, or a random cell, that suits
 
@@ -49,16 +49,16 @@ class Group(NamedTuple):
 @allocation_free
 def apart_m(p: Any, d: int, q: Any, e: int, box: Any) -> float:
     """Distance in metres between sensor d of p (n, 3) and sensor e of q (n, 3)."""
-    dx, dy = (p[d, X] - q[e, X]) * box[2], (p[d, Y] - q[e, Y]) * box[3]
+    dx, dy = (p[d, At.X] - q[e, At.X]) * box[2], (p[d, At.Y] - q[e, At.Y]) * box[3]
     return math.sqrt(dx * dx + dy * dy)
 
 
 @allocation_free
 def put(p: Any, d: int, x_m: float, y_m: float, box: Any) -> None:
     """Deploy sensor d of p (n, 3) at the place (x_m, y_m), or at the nearest place of the box."""
-    p[d, X] = min(1.0, max(0.0, (x_m - box[0]) / box[2]))
-    p[d, Y] = min(1.0, max(0.0, (y_m - box[1]) / box[3]))
-    p[d, FLAG] = 1.0
+    p[d, At.X] = min(1.0, max(0.0, (x_m - box[0]) / box[2]))
+    p[d, At.Y] = min(1.0, max(0.0, (y_m - box[1]) / box[3]))
+    p[d, At.FLAG] = 1.0
 
 
 @allocation_free
@@ -70,15 +70,15 @@ def delete_sensor(p: Any, context: Any, group: Group, delete_m: float, box: Any)
     least, chosen = delete_m, -1
     for k in range(group.first, group.last):
         d = group.order[k]
-        if p[d, FLAG] < DEPLOYED:
+        if p[d, At.FLAG] < DEPLOYED:
             continue
         for e in range(context.shape[0]):
-            if e != d and context[e, FLAG] >= DEPLOYED:
+            if e != d and context[e, At.FLAG] >= DEPLOYED:
                 far = apart_m(p, d, context, e, box)
                 if far < least:
                     least, chosen = far, d
     if chosen >= 0:
-        p[chosen, FLAG] = 0.0
+        p[chosen, At.FLAG] = 0.0
     return chosen
 
 
@@ -93,18 +93,21 @@ def fuse_sensors(p: Any, group: Group, fuse_m: float, box: Any, rng: Any) -> int
     begin = int(uniform(rng) * size)
     for step in range(size):
         d = group.order[group.first + (begin + step) % size]
-        if p[d, FLAG] < DEPLOYED:
+        if p[d, At.FLAG] < DEPLOYED:
             continue
         least, chosen = fuse_m, -1
         for k in range(group.first, group.last):
             e = group.order[k]
-            if e != d and p[e, FLAG] >= DEPLOYED:
+            if e != d and p[e, At.FLAG] >= DEPLOYED:
                 far = apart_m(p, d, p, e, box)
                 if far < least:
                     least, chosen = far, e
         if chosen >= 0:
-            p[d, X], p[d, Y] = 0.5 * (p[d, X] + p[chosen, X]), 0.5 * (p[d, Y] + p[chosen, Y])
-            p[chosen, FLAG] = 0.0
+            p[d, At.X], p[d, At.Y] = (
+                0.5 * (p[d, At.X] + p[chosen, At.X]),
+                0.5 * (p[d, At.Y] + p[chosen, At.Y]),
+            )
+            p[chosen, At.FLAG] = 0.0
             return d * p.shape[0] + chosen
     return -1
 
@@ -119,12 +122,12 @@ def add_sensor(p: Any, group: Group, x_m: float, y_m: float, near_m: float, terr
     begin = int(uniform(rng) * size)
     for step in range(size):
         d = group.order[group.first + (begin + step) % size]
-        if p[d, FLAG] >= DEPLOYED:
+        if p[d, At.FLAG] >= DEPLOYED:
             continue
         for _ in range(TRIES):
             angle, far = 2.0 * math.pi * uniform(rng), near_m * math.sqrt(uniform(rng))
             put(p, d, x_m + far * math.cos(angle), y_m + far * math.sin(angle), box)
-            if is_place(box[0] + p[d, X] * box[2], box[1] + p[d, Y] * box[3], terrain.ground):
+            if is_place(box[0] + p[d, At.X] * box[2], box[1] + p[d, At.Y] * box[3], terrain.ground):
                 break
         return d
     return -1
@@ -141,8 +144,8 @@ def move_sensor(p: Any, group: Group, x_m: float, y_m: float, law: MovementLaw, 
     least, chosen = law.around_m, -1
     for k in range(group.first, group.last):
         d = group.order[k]
-        if p[d, FLAG] >= DEPLOYED:
-            dx, dy = x_m - box[0] - p[d, X] * box[2], y_m - box[1] - p[d, Y] * box[3]
+        if p[d, At.FLAG] >= DEPLOYED:
+            dx, dy = x_m - box[0] - p[d, At.X] * box[2], y_m - box[1] - p[d, At.Y] * box[3]
             far = math.sqrt(dx * dx + dy * dy)
             if far < least:
                 least, chosen = far, d
@@ -150,6 +153,6 @@ def move_sensor(p: Any, group: Group, x_m: float, y_m: float, law: MovementLaw, 
         need = least - law.in_range_m
         way = law.step_m * uniform(rng) if need <= 0.0 else min(law.step_m, need * (1.0 + 0.3 * uniform(rng)))
         share = min(1.0, way / least)
-        from_x, from_y = box[0] + p[chosen, X] * box[2], box[1] + p[chosen, Y] * box[3]
+        from_x, from_y = box[0] + p[chosen, At.X] * box[2], box[1] + p[chosen, At.Y] * box[3]
         put(p, chosen, from_x + share * (x_m - from_x), from_y + share * (y_m - from_y), box)
     return chosen

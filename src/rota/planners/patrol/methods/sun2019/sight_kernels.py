@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import EdgeGrid, point_in_space, point_sees_point
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 HAIR = 1e-9  # of a length: what is nearer to a wall, or to the end of the reach, is settled with care, or in favour
 

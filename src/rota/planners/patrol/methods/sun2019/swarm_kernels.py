@@ -9,17 +9,31 @@ on. The particles' other half, how they move, is in ``update_kernels.py``.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import allocation_free
+from rota.compiled.kernel import allocation_free, kernel
 
-X, Y, FLAG = 0, 1, 2
 DEPLOYED = 0.5  # the least flag of a sensor that counts
 
-IN_OBSTACLES, UNCOVERED, SENSORS, OVERLAPPED = 0, 1, 2, 3  # what Eq. 11 counts
+
+class At(IntEnum):
+    """A sensor's coordinates."""
+
+    X = 0
+    Y = 1
+    FLAG = 2
+
+
+class Counted(IntEnum):
+    """What Eq. 11 counts."""
+
+    IN_OBSTACLES = 0
+    UNCOVERED = 1
+    SENSORS = 2
+    OVERLAPPED = 3
 
 
 class Particles(NamedTuple):
@@ -61,21 +75,21 @@ class Swarms(NamedTuple):
 def fitness(counts: Any, weights: Any) -> float:
     """Eq. 11."""
     return (
-        weights[0] * counts[IN_OBSTACLES]
-        + weights[1] * counts[UNCOVERED]
-        + weights[2] * counts[SENSORS]
-        + weights[3] * counts[OVERLAPPED]
+        weights[0] * counts[Counted.IN_OBSTACLES]
+        + weights[1] * counts[Counted.UNCOVERED]
+        + weights[2] * counts[Counted.SENSORS]
+        + weights[3] * counts[Counted.OVERLAPPED]
     )
 
 
 @allocation_free
 def count_in(i: int, d: int, particles: Particles, times: Any, counts: Any, step: int) -> None:
     """Add sensor d of particle i to what is counted (step 1), or take it away (step -1)."""
-    if particles.place[i, d, FLAG] < DEPLOYED:
+    if particles.place[i, d, At.FLAG] < DEPLOYED:
         return
-    counts[SENSORS] += step
+    counts[Counted.SENSORS] += step
     if particles.off[i, d]:
-        counts[IN_OBSTACLES] += step
+        counts[Counted.IN_OBSTACLES] += step
         return
     last = 0 if step > 0 else 1  # the count before, at which a cell begins or ceases to be seen
     change = np.int32(step)
@@ -84,9 +98,9 @@ def count_in(i: int, d: int, particles: Particles, times: Any, counts: Any, step
         before = times[cell]
         times[cell] = before + change
         if before == last:
-            counts[UNCOVERED] -= step
+            counts[Counted.UNCOVERED] -= step
         elif before == last + 1:
-            counts[OVERLAPPED] += step
+            counts[Counted.OVERLAPPED] += step
 
 
 @allocation_free
@@ -99,9 +113,9 @@ def count_group(i: int, first: int, last: int, order: Any, particles: Particles,
 @allocation_free
 def copy_sensor(i: int, source: Particles, j: int, target: Particles, d: int) -> None:
     """Give sensor d of particle j of the target all that the source's particle i has there."""
-    target.place[j, d, X] = source.place[i, d, X]
-    target.place[j, d, Y] = source.place[i, d, Y]
-    target.place[j, d, FLAG] = source.place[i, d, FLAG]
+    target.place[j, d, At.X] = source.place[i, d, At.X]
+    target.place[j, d, At.Y] = source.place[i, d, At.Y]
+    target.place[j, d, At.FLAG] = source.place[i, d, At.FLAG]
     target.off[j, d] = source.off[i, d]
     target.seen_n[j, d] = source.seen_n[i, d]
     for k in range(source.seen_n[i, d]):
@@ -116,7 +130,7 @@ def begin(s: Swarms) -> None:
     for i in range(-1, s.now.place.shape[0]):
         s.times[:] = 0
         s.counts[:] = 0
-        s.counts[UNCOVERED] = m
+        s.counts[Counted.UNCOVERED] = m
         if i >= 0:
             count_group(i, 0, n, s.order, s.now, s, 1)
             value = fitness(s.counts, s.weights)
@@ -128,7 +142,7 @@ def begin(s: Swarms) -> None:
         copy_sensor(chosen, s.now, 0, s.context, d)
     s.times[:] = 0
     s.counts[:] = 0
-    s.counts[UNCOVERED] = m
+    s.counts[Counted.UNCOVERED] = m
     count_group(0, 0, n, s.order, s.context, s, 1)
 
 
@@ -225,7 +239,10 @@ def near_groups(place: Any, box: Any, seeds: Any, size: int) -> Any:
             nearest, chosen = math.inf, seed
             for e in range(n):
                 if left[e] and member > 0:
-                    dx, dy = (place[e, X] - place[seed, X]) * box[2], (place[e, Y] - place[seed, Y]) * box[3]
+                    dx, dy = (
+                        (place[e, At.X] - place[seed, At.X]) * box[2],
+                        (place[e, At.Y] - place[seed, At.Y]) * box[3],
+                    )
                     if dx * dx + dy * dy < nearest:
                         nearest, chosen = dx * dx + dy * dy, e
             order[placed] = chosen

@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 from rota.planners.patrol.methods.sun2019.rule_kernels import (
     TRIES,
     Group,
@@ -22,11 +22,9 @@ from rota.planners.patrol.methods.sun2019.rule_kernels import (
 from rota.planners.patrol.methods.sun2019.sight_kernels import cells_seen, is_place
 from rota.planners.patrol.methods.sun2019.swarm_kernels import (
     DEPLOYED,
-    FLAG,
+    At,
     Particles,
     Swarms,
-    X,
-    Y,
     best_neighbour,
     copy_sensor,
 )
@@ -113,9 +111,9 @@ def see(i: int, d: int, particles: Particles, terrain: Terrain, known: Any) -> N
     """Find out anew what sensor d of particle i sees; known: see ``cells_seen``."""
     place, box = particles.place, terrain.box
     particles.seen_n[i, d], particles.off[i, d] = 0, 0
-    if place[i, d, FLAG] < DEPLOYED:
+    if place[i, d, At.FLAG] < DEPLOYED:
         return
-    px, py = box[0] + place[i, d, X] * box[2], box[1] + place[i, d, Y] * box[3]
+    px, py = box[0] + place[i, d, At.X] * box[2], box[1] + place[i, d, At.Y] * box[3]
     if is_place(px, py, terrain.ground):
         seen = particles.seen[i, d]
         particles.seen_n[i, d] = cells_seen(px, py, terrain.cells, terrain.ground, known, seen)
@@ -164,7 +162,7 @@ def cover_missing(i: int, j: int, missing: int, fused: bool, iteration: Iteratio
     group, p = group_of(j, s), s.now.place[i]
     left = False
     for k in range(group.first, group.last):
-        left = left or p[group.order[k], FLAG] < DEPLOYED
+        left = left or p[group.order[k], At.FLAG] < DEPLOYED
     adding = left and not fused
     if (adding and not rules.addition) or (not adding and not rules.movement):
         return

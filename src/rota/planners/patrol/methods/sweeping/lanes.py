@@ -17,16 +17,14 @@ from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Sensor
 from rota.model.polygons import polygons_of
+from rota.planners.patrol.tolerances import HAIR_M, ON_LINE_M, SLIVER_M2
 
 Floats = NDArray[np.float64]
 
-SLIVER_M2 = 1e-6  # strips smaller than this are rounding of the cuts
 GRID_M, FINE_GRID_M = 1e-7, 1e-9
 SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
-SHORT_M = 1e-6  # of a lane's end: no further way is laid for it
 FEW_CORNERS = 100  # of a shape: with more it is halved before it is cut into slabs, each of which costs all corners
 BAND_MARGIN_M = 1e-3  # by which a band of the space is higher than its strip
-NUDGE_M = 1e-7  # off the border of the strip, so that rounding does not put a lane outside
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +174,7 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
     """The lanes (k, 2) that see one part of a strip, in the lane's frame; several when no way in it joins them."""
     first_m, last_m = lane_ends(part, middle_m, swath)
     pieces = straight_pieces(space, middle_m, first_m, last_m)
-    if len(pieces) == 1 and pieces[0][0, 0] <= first_m + SHORT_M and pieces[0][-1, 0] >= last_m - SHORT_M:
+    if len(pieces) == 1 and pieces[0][0, 0] <= first_m + HAIR_M and pieces[0][-1, 0] >= last_m - HAIR_M:
         return pieces
     # edges of rounding length would turn what is no corner into one, and block the way past it
     parts = polygons(common_part(part, space))
@@ -191,16 +189,16 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
         return [np.array([nearest_free_point(room, ((first_m + last_m) / 2, middle_m))])]
     if not room.is_empty:
         # where the middle of the strip is blocked before its end, go on as near to that end as can be
-        if pieces[0][0, 0] > first_m + SHORT_M:
+        if pieces[0][0, 0] > first_m + HAIR_M:
             pieces.insert(0, np.array([nearest_free_point(room, (first_m, middle_m))]))
-        if pieces[-1][-1, 0] < last_m - SHORT_M:
+        if pieces[-1][-1, 0] < last_m - HAIR_M:
             pieces.append(np.array([nearest_free_point(room, (last_m, middle_m))]))
     return join_within(room, pieces)
 
 
 def within(value: float, low: float, high: float) -> float:
     """The value, moved into the stretch between low and high and a little off its ends."""
-    nudge = min(NUDGE_M, (high - low) / 2)
+    nudge = min(ON_LINE_M, (high - low) / 2)
     return min(max(value, low + nudge), high - nudge)
 
 

@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.repair.bending.layout import Layout
 from rota.planners.patrol.repair.bending.program import Rows, rows_along
+from rota.planners.patrol.tolerances import HAIR_M, ON_LINE_M
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-TOUCH_M = 1e-6  # a vertex or leg this near to the border touches it
-KEPT_M = 1e-7  # of the way to the border that stays free
 
 
 class Border:
@@ -42,13 +40,13 @@ class Border:
         ways_m, t = np.vstack([ways_m, to_m]), np.concatenate([t, np.zeros(len(vertex))])
         out_m = ways_m[:, 1] - ways_m[:, 0]
         room_m = np.hypot(*out_m.T)
-        touches = room_m < TOUCH_M
+        touches = room_m < HAIR_M
         fixed = np.zeros(n, dtype=np.bool_)
         fixed[first[touches & (t < 1)]] = True
         fixed[last[touches & (t > 0)]] = True
         keep = ~touches
         along = rows_along(out_m[keep] / room_m[keep, None], first[keep], last[keep], t[keep], n)
-        return Rows(along, room_m[keep] - KEPT_M), fixed
+        return Rows(along, room_m[keep] - ON_LINE_M), fixed
 
 
 def leg_parameters(start_m: Floats, end_m: Floats, places_m: Floats) -> Floats:

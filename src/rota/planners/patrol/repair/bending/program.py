@@ -13,12 +13,11 @@ from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.repair.bending.solver import GrowingProgram
+from rota.planners.patrol.tolerances import HAIR_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-
-AIM_M = 1e-6  # nearer than asked, so that rounding hides nothing
 
 
 class Rows(NamedTuple):
@@ -75,7 +74,7 @@ def best_step(
         values, cost = solution
         variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
-        if not (beyond_m[~taken] > AIM_M).any():
+        if not (beyond_m[~taken] > HAIR_M).any():
             return Step((moved @ variables).reshape(n, 2), cost + settings.length_weight * float(lengths_m.sum()))
         new = ~taken & (beyond_m > -settings.first_rows * trust_m)
         taken = taken | new
@@ -150,7 +149,7 @@ def range_rows(
             spare_m[keep],
         )
     towards = away_m / np.maximum(np.hypot(*away_m.T), 1e-12)[:, None]
-    return Rows(rows_along(towards, a, b, t, len(places_m)), spare_m - AIM_M)
+    return Rows(rows_along(towards, a, b, t, len(places_m)), spare_m - HAIR_M)
 
 
 def rows_along(towards: Floats, a: Ints, b: Ints, t: Floats, n: int) -> csr_array:

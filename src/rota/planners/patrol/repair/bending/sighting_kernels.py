@@ -8,15 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import (
-    STANDING_M2,
     Line,
-    allocation_free,
     end_of_hiding,
     norm,
     range_interval,
 )
+from rota.planners.patrol.tolerances import SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,7 +33,7 @@ def range_at(px: float, py: float, dx: float, dy: float, t: float, square: int) 
 def nearest_parameter(px: float, py: float, dx: float, dy: float, square: int) -> float:
     """The leg parameter in 0..1 at which p + t d is nearest to the origin, as the sensor measures it."""
     aa = dx * dx + dy * dy
-    if aa < STANDING_M2:
+    if aa < SAME_PLACE_M * SAME_PLACE_M:
         return 0.0
     best = min(1.0, max(0.0, -(px * dx + py * dy) / aa))
     if not square:

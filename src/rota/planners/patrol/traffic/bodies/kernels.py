@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.ground.sample_kernels import Ints
-from rota.planners.patrol.ground.sight_kernels import allocation_free
 
 Bytes = NDArray[np.uint8]
 ShortInts = NDArray[np.int32]

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
-from rota.planners.patrol.driving.at_once import SLOW_LEG_M, SLOWER, timed_line
-from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, far_enough
+from rota.planners.patrol.driving.at_once import SLOW_LEG_M, timed_line
+from rota.planners.patrol.driving.polylines import far_enough
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tours.timetable import SHORTEST_WAIT_S
+from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def timed_approach(line_m: Floats, robot: Robot, onward_m: Floats | None = None)
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turns = np.zeros(len(line_m) - 1)
     turns[: len(after)] = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
-    too_short = len(line_m) == 2 and np.hypot(*ahead[0]) / SLOWER < SHORTEST_LEG_M
+    too_short = len(line_m) == 2 and np.hypot(*ahead[0]) / SLOWER < HAIR_M
     least_s = SHORTEST_LEG_S if too_short else SLOW_LEG_M / robot.ground_speed_m_s
     return Approach(line=timed_line(line_m, turns, robot, least_s=least_s))
 
@@ -114,7 +114,7 @@ def joined_trajectory(
     times.append(leaves_s + approach.times_s[1:])
     places.append(approach.places_m[1:])
     accelerations.append(approach.line.accelerations_m_s2)
-    if goes_s - (leaves_s + approach.duration_s if moves else 0.0) > SHORTEST_WAIT_S:
+    if goes_s - (leaves_s + approach.duration_s if moves else 0.0) > SHORTEST_S:
         times.append(np.array([goes_s]))
         places.append(approach.places_m[-1:])
         accelerations.append(np.zeros(1))

@@ -13,8 +13,7 @@ from rota.geometry.free_space import standing_space
 from rota.model.fleet import Place, StartPoints
 from rota.model.mission import TOUCH_M, Mission
 from rota.model.start_faults import ENTRANCE_CLEARANCE, ENTRANCE_NEAR
-
-ARC_CORNERS = 128  # of a whole turn round a grown corner
+from rota.planners.patrol.ground.standing import POCKET_ARC_CORNERS
 
 
 def require_ways_in(mission: Mission) -> None:
@@ -30,9 +29,9 @@ def require_ways_in(mission: Mission) -> None:
             placed[robot.body_radius_m].append((f"fleet.robots[{k}].start", robot.start))
     faults = []
     for body_m, starts in placed.items():
-        inside = standing_space(mission, body_m * (1 + ENTRANCE_CLEARANCE), arc_corners=ARC_CORNERS)
+        inside = standing_space(mission, body_m * (1 + ENTRANCE_CLEARANCE), arc_corners=POCKET_ARC_CORNERS)
         away_m = shapely.distance(inside, shapely.points(np.array([place for _, place in starts])))
-        round_m = body_m * (1 / math.cos(math.pi / ARC_CORNERS) - 1 + ENTRANCE_NEAR) + 2 * TOUCH_M
+        round_m = body_m * (1 / math.cos(math.pi / POCKET_ARC_CORNERS) - 1 + ENTRANCE_NEAR) + 2 * TOUCH_M
         for i in np.flatnonzero(~(away_m <= round_m)):  # nan where there is no place at all
             where, (x, y) = starts[i]
             faults.append(f"{where}: [{x:.9g}, {y:.9g}]: no way leads there from fleet.entrances for such a body")
