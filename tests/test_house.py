@@ -15,7 +15,7 @@ PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
     ["planner_settings", "method_table", "work_ahead", "method_settings", "loop_settings", "tolerances"],
-    ["driving", "tours", "verdict", "margins", "settings", "efforts"],
+    ["driving", "tours", "verdict", "margins", "settings", "efforts", "cycles"],
     ["ground"],
     ["bounds", "context"],
     ["annealing"],
@@ -27,7 +27,7 @@ PATROL_STAGES = [
 ]
 METHOD_STAGES = [
     ["method"],
-    ["anneal_and_repair", "sweeping", "sun2019"],
+    ["anneal_and_repair", "sweeping", "sun2019", "cycles"],
     ["fewest", "large"],
     ["tours", "fixed_team"],
 ]

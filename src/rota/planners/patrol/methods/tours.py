@@ -8,6 +8,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.initial.standing import robots_stand
+from rota.planners.patrol.methods.cycles.search import fewest_for_targets
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
@@ -15,7 +16,12 @@ from rota.planners.patrol.repair.repair import Repaired
 
 
 def fewest_robots_anywhere(context: Context) -> Repaired:
-    """The plan with the fewest robots found, whatever the size of the ground (met unless all repair failed).
+    """The plan with the fewest robots found, whatever is asked (met unless all repair failed)."""
+    return fewest_for_targets(context, fewest_on_ground)
+
+
+def fewest_on_ground(context: Context) -> Repaired:
+    """The plan with the fewest robots found, whatever the size of the ground.
 
     Ragged ground falls into thousands of cells, over which lanes take minutes to lay and are worth little. Robots that
     hardly move anywhere drive no lanes. The highest bound is proved once there are lanes: it takes as long as these do.

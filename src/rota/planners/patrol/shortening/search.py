@@ -40,7 +40,7 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     attempts its ``most_work`` allows, and the last ones take least.
     """
     settings, problem = context.settings.shortening, context.problem
-    if not can_bend(problem) or reaches(problem) > settings.largest:
+    if not can_bend(problem) or reaches(problem) > settings.largest or any(tour.revisits for tour in found.tours):
         return found
     fewest_turns = PatrolSettings.of(problem.mission).prefer == "fewest_turns"
     may_be_bold = not fewest_turns and not has_nests(found.tours)

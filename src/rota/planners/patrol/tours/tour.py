@@ -43,6 +43,7 @@ class Tour:
     first vertex. A robot alone whose petals begin at different vertices goes on along the hub from one to the next,
     which takes it once more round the hub until all have had their turn.
     pace: only of a tour as it is driven, by one robot, in step with others.
+    revisits: it comes to some places several times in a round, each time before they are late: no search moves it.
     """
 
     vertices_m: Floats
@@ -53,6 +54,7 @@ class Tour:
     component: int = 0
     nest: int = -1
     pace: Pace | None = None
+    revisits: bool = False
 
     @property
     def budget_m(self) -> float:

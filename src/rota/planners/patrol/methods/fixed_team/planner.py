@@ -12,6 +12,7 @@ from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.methods.fewest.search import share_of_progress, with_less_effort
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
+from rota.planners.patrol.methods.fixed_team.for_targets import plan_for_targets
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
 from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, apart, best_ratio, too_few
@@ -39,6 +40,27 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     proved. method: finds a plan with as few robots as it can. Every effort begins with quick: more effort never gives a
     greater ratio, and a search that is stopped, or that finds nothing, has the plan of quick.
     """
+    if (plan := plan_by_places(context, asked, method, plain=False)) is not None:
+        return plan
+    try:
+        return plan_by_search(context, asked, method)
+    except NoPlanFound:
+        if (plan := plan_by_places(context, asked, method, plain=True)) is None:
+            raise
+        return plan
+
+
+def plan_by_places(context: Context, asked: Mission, method: Method, *, plain: bool) -> Plan | None:
+    """The plan of rounds from place to place, where all demands are met so; see ``plan_for_targets``."""
+    if not context.anneals:
+        return None
+    robots = len(context.problem.mission.fleet.robots or ())
+    team = Team(robots=robots, starting=starts_per_component(context.problem, asked), method=method)
+    return plan_for_targets(context, for_anyone(context), team, plain=plain)
+
+
+def plan_by_search(context: Context, asked: Mission, method: Method) -> Plan:
+    """The same by the usual search alone."""
     mission = context.problem.mission
     if PatrolSettings.of(mission).effort == "quick" or not context.anneals:
         return plan_with_effort(context, asked, method)

@@ -1,0 +1,1 @@
+"""Plans for what is seen from single places, with rounds that differ."""

@@ -1,0 +1,146 @@
+"""Fewest robots where every demand is met from one place: rounds may come to a place several times, each in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.patrol.context import Context, with_best_bound
+from rota.planners.patrol.cycles.teams import Share, share_places
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.targets import Targets, targets_of
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
+from rota.planners.patrol.repair.repair import Repaired, plan_of
+from rota.planners.patrol.tolerances import SLOWER
+from rota.planners.patrol.tours.tour import Tour
+
+Floats = NDArray[np.float64]
+
+STATES: dict[Effort, int] = {"quick": 20_000, "normal": 100_000, "high": 400_000}  # looked at for some places
+ROUNDS: dict[Effort, int] = {"quick": 20, "normal": 60, "high": 200}  # in which large teams are made anew in parts
+MOST_TARGETS = 100
+AT_CORNERS = (0.0, 0.5, 1.0)  # of what turning round at both ends of each leg takes: what corners are taken to cost
+
+
+@dataclass(frozen=True, kw_only=True)
+class Team:
+    """Who comes to which targets, in what time."""
+
+    targets: Targets
+    shares: list[Share]
+
+    @property
+    def robots(self) -> int:
+        """The robots of all shares."""
+        return sum(share.robots for share in self.shares)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether no round comes to a place twice."""
+        return all(share.is_plain for share in self.shares)
+
+
+def teams_for_targets(context: Context) -> list[Team]:
+    """Teams that meet all demands from single places, if that can be; those first that count least for corners.
+
+    None where some demand is not met from one place, there are more than ``MOST_TARGETS``, or one alone. A later team
+    takes more robots than those before it.
+    """
+    problem = context.problem
+    targets = targets_of(problem)
+    asked = {region for region in range(len(problem.regions)) if (problem.points.region == region).any()}
+    if asked != set(targets.regions) or not 1 < len(targets) <= MOST_TARGETS:
+        return []
+    straight_s, turning_s = leg_times(problem, targets)
+    teams = list[Team]()
+    for share in AT_CORNERS[::-1]:
+        if context.should_stop():
+            break
+        legs_s = straight_s + share * (turning_s - straight_s)
+        team = Team(targets=targets, shares=best_shares(context, targets, legs_s))
+        if not teams or team.robots < teams[0].robots:
+            teams.insert(0, team)
+        if np.array_equal(straight_s, turning_s):
+            break
+    return teams
+
+
+def leg_times(problem: Problem, targets: Targets) -> tuple[Floats, Floats]:
+    """Seconds (n, n) from place to place, without and with turning round at both ends; inf where there is no way."""
+    driving, places_m = driving_of(problem.robot), targets.places_m
+    per_m = 1 / (driving.pace_m_s * SLOWER)
+    way_m = problem.paths.all_pairs(places_m)
+    there_and_back_m = way_m.copy()
+    for i in range(len(places_m)):
+        for k in range(i):
+            if np.isfinite(way_m[i, k]):
+                line_m = problem.paths.path(places_m[i], places_m[k])
+                round_m = driving.round_m(np.vstack([line_m, line_m[-2:0:-1]]))
+                there_and_back_m[i, k] = there_and_back_m[k, i] = max(way_m[i, k], round_m / 2)
+    return way_m * per_m, there_and_back_m * per_m
+
+
+def best_shares(context: Context, targets: Targets, legs_s: Floats) -> list[Share]:
+    """The fewest robots found for such times of legs, in each part of the space by itself."""
+    effort = PatrolSettings.of(context.problem.mission).effort
+    shares = list[Share]()
+    for part in np.unique(targets.component):
+        own = np.flatnonzero(targets.component == part)
+        found = share_places(
+            legs_s[np.ix_(own, own)], targets.period_s[own], most_states=STATES[effort], rounds=ROUNDS[effort],
+            seed=context.seed,
+        )  # fmt: skip
+        shares += [share._replace(order=own[share.order]) for share in found]
+    return shares
+
+
+def plan_for_team(context: Context, team: Team) -> Repaired:
+    """The team's tours with their plan and its verdict."""
+    tours = [tour_of(context.problem, team.targets, share) for share in team.shares]
+    plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
+    return Repaired(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
+
+
+def tour_of(problem: Problem, targets: Targets, share: Share) -> Tour:
+    """The round as a tour: its period is how far apart robots may come by at all places alike."""
+    places_m = targets.places_m[share.order]
+    line_m = places_m
+    if len(places_m) > 1:
+        line_m = problem.paths.paths_along(np.vstack([places_m, places_m[:1]]))[:-1]
+    return Tour(
+        vertices_m=line_m, period_class=int(targets.period_class[share.order].min()), period_s=share.headway_s,
+        robots=share.robots, robot=problem.robot, component=int(targets.component[share.order[0]]),
+        revisits=not share.is_plain,
+    )  # fmt: skip
+
+
+def fewest_for_targets(context: Context, search: Callable[[Context], Repaired]) -> Repaired:
+    """The plan with the fewest robots, by rounds that come to places several times or by the usual search.
+
+    Where rounds that come to each place once are as good, the usual search finds shorter ones: it leads robots no
+    farther into zones than they must go.
+    """
+    teams = teams_for_targets(context)
+    if not teams or teams[0].is_plain:
+        best = search(context)
+        return first_met(context, [team for team in teams if team.robots < best.robots or not best.met]) or best
+    context = with_best_bound(context)
+    found = first_met(context, teams)
+    if found is not None and found.robots <= context.enough_robots:
+        return found
+    best = search(context)
+    return best if found is None or (best.met and best.robots <= found.robots) else found
+
+
+def first_met(context: Context, teams: Sequence[Team]) -> Repaired | None:
+    """The first plan of the teams that passes."""
+    for team in teams:
+        found = plan_for_team(context, team)
+        if found.met:
+            return found
+    return None
