@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from shapely import LineString
 
 from rota.model.mission import DiscSensor, Fleet, Robot
-from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, without_straight_vertices
+from rota.planners.patrol.driving.polylines import without_straight_vertices
 from rota.planners.patrol.driving.timed_line import start_at, steady
+from rota.planners.patrol.tolerances import HAIR_M
 from rota.planners.patrol.tours.timetable import (
     as_trajectories,
     evenly_spaced,
@@ -128,7 +129,7 @@ def test_thinning_keeps_the_line() -> None:
             crowded += [a, a, a + 1e-7, *(a + t * (b - a) for t in np.sort(rng.uniform(0.01, 0.99, 3)))]
         lean = without_straight_vertices(np.array(crowded))
         legs = np.hypot(*(np.roll(lean, -1, axis=0) - lean).T)
-        assert legs.min() >= SHORTEST_LEG_M
+        assert legs.min() >= HAIR_M
         line, full = (LineString(np.vstack([xy, xy[:1]])) for xy in (lean, np.array(crowded)))
         assert shapely.distance(shapely.points(np.array(crowded)), line).max() < 2e-6
         assert shapely.distance(shapely.points(lean), full).max() < 1e-9
