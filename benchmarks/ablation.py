@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 import tempfile
 import time
@@ -100,8 +99,7 @@ MECHANISMS = (
         "several bases of nested loops", (f"{ALLOCATION}.nesting_bases",), first_base, lambda result, _: len(result) > 1
     ),
     Mechanism("several estimates of excursions", stage="allocation", values={"estimates": 1}),
-    Mechanism("separate anchors of excursions", stage="allocation", values={"separate_anchors": False}),
-    Mechanism("tours of one robot each", stage="allocation", values={"most_own_tours": 0}),
+    Mechanism("tours of one robot each", (f"{ALLOCATION}.own_tours",), lambda *_: []),
     Mechanism("several groupings", stage="allocation", values={"groupings": 1}),
     Mechanism(
         "screening",
@@ -114,9 +112,12 @@ MECHANISMS = (
         "several allocations and seeds in full", stage="multistart", values={"allocations": 1, "seeds": 1, "kept": 1}
     ),
     Mechanism("two coverage weights in turn", stage="multistart", values={"coverage_weights": (1.0,)}),
-    Mechanism("coverage weight that grows with detours", stage="team_size", values={"most_coverage_weight": 1.0}),
-    Mechanism("coarse samples", stage="annealing", values={"coarse_spacing": 0.0}),
-    Mechanism("stop after half of the moves", stage="annealing", values={"halfway_unseen_limit": math.inf}),
+    Mechanism(
+        "coverage weight that grows with detours",
+        (f"{SEARCH}.coverage_weight_for",),
+        lambda _: 1.0,
+        lambda result, _: result > 1,
+    ),
     Mechanism(
         "two annealings before the first repair",
         stage="alternation",

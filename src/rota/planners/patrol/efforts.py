@@ -55,8 +55,8 @@ def lukewarm_stage(moves: int) -> ShorteningStage:
 
 
 QUICK = SearchSettings(
-    sampling=SamplingSettings(per_reach=8, shrink=0.4, few_samples=2_500, most_per_reach=12, fine_shrink=0.2),
-    allocation=AllocationSettings(groupings=4, least_slack=1.15, separate_anchors=False, estimates=ESTIMATES[:1]),
+    sampling=SamplingSettings(per_reach=8, shrink=0.4, few_samples=2_500),
+    allocation=AllocationSettings(groupings=4, least_slack=1.15, estimates=ESTIMATES[:1]),
     team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
     screening=ScreeningSettings(allocations=8, nested_allocations=0, moves=50_000),
     multistart=MultistartSettings(allocations=2, seeds=1, kept=2, tries=4),
@@ -74,7 +74,7 @@ QUICK = SearchSettings(
     repair=RepairSettings(
         rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=75_000
     ),
-    fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025, new_allocations=False),
+    fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1, piece_moves=300),
     shortening=ShorteningSettings(attempts=shortening_attempts(1600), further=(), rounds=14, most_work=4.5e6),
@@ -82,7 +82,7 @@ QUICK = SearchSettings(
 
 NORMAL = SearchSettings(
     sampling=SamplingSettings(per_reach=12, shrink=0.2),
-    allocation=AllocationSettings(groupings=8, least_slack=1.1, separate_anchors=True, estimates=ESTIMATES[:4]),
+    allocation=AllocationSettings(groupings=8, least_slack=1.1, estimates=ESTIMATES[:4]),
     team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
     screening=ScreeningSettings(allocations=8, nested_allocations=24, moves=50_000),
     multistart=MultistartSettings(allocations=2, seeds=2, kept=2),
@@ -99,7 +99,7 @@ NORMAL = SearchSettings(
     repair=RepairSettings(
         rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=300_000
     ),
-    fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015, new_allocations=True),
+    fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05, piece_moves=1_200),
     shortening=ShorteningSettings(
@@ -112,7 +112,7 @@ NORMAL = SearchSettings(
 
 HIGH = SearchSettings(
     sampling=SamplingSettings(per_reach=16, shrink=0.15),
-    allocation=AllocationSettings(groupings=16, least_slack=1.05, separate_anchors=True, estimates=ESTIMATES),
+    allocation=AllocationSettings(groupings=16, least_slack=1.05, estimates=ESTIMATES),
     team_size=TeamSizeSettings(single_steps=8, searches_ragged=True),
     screening=ScreeningSettings(allocations=16, nested_allocations=56, moves=100_000),
     multistart=MultistartSettings(allocations=4, seeds=6, kept=8),
@@ -129,9 +129,9 @@ HIGH = SearchSettings(
     repair=RepairSettings(
         rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002, tightening_moves=600_000
     ),
-    fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01, new_allocations=True),
+    fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01),
     sweeping=SweepingSettings(tries=8, angles=12),
-    districts=DistrictSettings(enough=1.0, piece_moves=4_800, searches_built_up=True),
+    districts=DistrictSettings(enough=1.0, piece_moves=4_800),
     shortening=ShorteningSettings(
         attempts=shortening_attempts(18000),
         further=2 * (ShorteningAttempt((lukewarm_stage(18000),)),),

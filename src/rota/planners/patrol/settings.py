@@ -28,17 +28,13 @@ class AllocationSettings:
 
     groupings: at most this many ways to group the period classes are tried.
     least_slack: a team size is tried if its budgets are at least this multiple of the ideal lengths.
-    most_own_tours: up to this many robots, tours of one robot each are tried besides shared ones.
     nested_slack_limit: nested loops are tried where the slack factor of plain tours is below this.
-    separate_anchors: whether excursions of nested loops may also begin at different vertices of their hub.
     estimates: each estimate gives nested loops of its own.
     """
 
     groupings: int
     least_slack: float
-    separate_anchors: bool
     estimates: tuple[ExcursionEstimate, ...]
-    most_own_tours: int = 64
     nested_slack_limit: float = 1.4
 
 
@@ -48,18 +44,13 @@ class TeamSizeSettings:
 
     likely_slack: the first team size tried has budgets of this multiple of the ideal lengths.
     single_steps: on the way up, this many sizes are tried one by one.
-    coarse_step: later sizes on the way up grow by this share of themselves.
-    open_detour: where first tours are at most this multiple of the ideal lengths, ground counts as open.
-    most_coverage_weight: beyond open ground the weight of seeing grows with the detours, up to this multiple.
-    searches_ragged: whether fewer robots and better loops are looked for, for minutes, where corners are very many.
+    searches_ragged: whether fewer robots and better loops are looked for, for minutes, where corners are very many or
+        districts are built-up.
     """
 
     single_steps: int
     searches_ragged: bool
     likely_slack: float = 1.3
-    coarse_step: float = 1 / 8
-    open_detour: float = 1.5
-    most_coverage_weight: float = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,29 +102,12 @@ class AnnealingSettings:
     most_moves: of any annealing.
     reference_corners: tours of more corners take more moves in proportion, and tours of fewer take fewer.
     least_share: but at least this share of the moves.
-    corners_per_reach: on ragged ground, at most this many corners count in each reach of ideal tour.
-    length_weight: of a metre of the slowest tour.
-    most_length_weight: of a metre of any tour.
-    budget_penalty: of a metre over a budget.
-    reserve: share of the budgets that is left to the repair.
-    halfway_unseen_limit: a full annealing ends if half of its moves leave a larger share of the ground unseen.
-    coarse_spacing: a quarter of the samples is taken if their spacing then is at most this share of the reach.
-    hot, cold: the heat begins at this share of the reach; the reach is so many times the heat at the end.
     """
 
     moves: int
     most_moves: int
     reference_corners: int = 300
     least_share: float = 1.0
-    corners_per_reach: float = 2.0
-    length_weight: float = 0.3
-    most_length_weight: float = 0.8
-    budget_penalty: float = 4.0
-    reserve: float = 0.03
-    halfway_unseen_limit: float = 0.033
-    coarse_spacing: float = 0.167
-    hot: float = 1 / 2
-    cold: float = 200.0
 
 
 class Stage(NamedTuple):
@@ -158,11 +132,8 @@ class AlternationSettings:
     moves: of one annealing.
     first_stages: the annealings before the first repair.
     later_stage: the annealing after the first repair has half of this heat and reserve, each later one half again.
-    least_heat: no annealing begins cooler, as a share of the reach.
     unseen_limit: an attempt ends if the tours it begins with leave a larger share of the ground unseen.
     later_unseen_limit: the same after the first annealing, where linear programs do the repair.
-    short_reaches: budgets of less than so many reaches count as so long where shares of them are compared: what a
-        lattice of samples misses costs metres in proportion to the reach, however short a tour is.
     over_budget_limit: an attempt ends if tours are over a budget by a larger share of it.
     bent_over_budget_limit: the same before a repair by linear programs.
     gain_limit: an attempt goes on if a repair leaves at most this multiple of the least excess so far.
@@ -178,9 +149,7 @@ class AlternationSettings:
     bent_over_budget_limit: float
     near_budget_limit: float
     first_stages: tuple[Stage, ...] = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))
-    least_heat: float = 1 / 32
     unseen_limit: float = 0.015
-    short_reaches: float = 20.0
     over_budget_limit: float = 0.03
     gain_limit: float = 0.8
     retry_limit: float = 0.002
@@ -199,20 +168,11 @@ class RepairSettings:
 
     rounds: of repair and judgement.
     over_budget_limit: tours over a budget by at most this share of it are repaired further.
-    tight_reserve: tours that leave less of a budget than this share are tight.
     tight_range_margin: share of the range margin that is kept while tight tours are bent.
     tight_bend, roomy_bend: tight tours, and others, are bent this much farther than to what they miss, in reaches.
     tight_bend_growth: by which that grows in every round, as a share of the range margin.
     roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
     bending_steps: linear programs of one round.
-    new_points: at most this many of the places that the judge found unmet become samples in one round.
-    stuck_rounds: the repair ends if the judge finds as many places unmet in this many rounds.
-    visits: at most this many places are visited in a round because the repair is stuck.
-    reroutes: at most this many times tours are led another way because bodies touch.
-    length_weight: of a metre while legs are bent at random.
-    budget_penalty: of a metre over a budget while legs are bent or shortened at random.
-    tightening_coverage_weight: multiple of the weight of seeing while tours are shortened at random.
-    tightening_reserve: share of the budgets below which they are shortened.
     tightening_moves: random moves that shorten them.
     """
 
@@ -221,19 +181,10 @@ class RepairSettings:
     tight_range_margin: float
     tight_bend: float
     tightening_moves: int
-    tight_reserve: float = 0.02
     roomy_bend: float = 0.02
     tight_bend_growth: float = 0.03
     roomy_bend_growth: float = 0.25
     bending_steps: int = 25
-    new_points: int = 1_500
-    stuck_rounds: int = 4
-    visits: int = 12
-    reroutes: int = 3
-    length_weight: float = 0.3
-    budget_penalty: float = 6.0
-    tightening_coverage_weight: float = 20.0
-    tightening_reserve: float = 0.01
 
     @property
     def patient_rounds(self) -> int:

@@ -15,7 +15,7 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import finer_spacing_m, set_up_problem
 from rota.planners.patrol.loop_settings import SamplingSettings
 
-SETTINGS = SamplingSettings(per_reach=8, shrink=0.4, few_samples=2_500, most_per_reach=12, fine_shrink=0.2)
+SETTINGS = SamplingSettings(per_reach=8, shrink=0.4, few_samples=2_500)
 
 
 @pytest.mark.parametrize(

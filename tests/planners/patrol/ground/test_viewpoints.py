@@ -90,7 +90,7 @@ def test_what_places_see_in_the_open(robot: Robot, monkeypatch: pytest.MonkeyPat
     near = away.max(axis=2) <= 2.9 if robot is SQUARE else np.hypot(*away.transpose(2, 0, 1)) <= 2.9
     for i in range(len(places)):
         assert set(items[start[i] : start[i + 1]].tolist()) == set(np.flatnonzero(near[i]).tolist())
-    monkeypatch.setattr(viewpoints, "PLACES_TOGETHER", 7)
+    monkeypatch.setattr(viewpoints, "TOGETHER", 7)
     in_threads = what_places_see(places, robot, 0.1, samples)
     assert (in_threads[0].tolist(), in_threads[1].tolist()) == (start.tolist(), items.tolist())
 

@@ -353,7 +353,7 @@ def test_every_estimate_gives_a_nest_of_its_own(problem: Problem) -> None:
     # so much slow ground that no excursions sweep it all
     base = replace(grouping, tours=[replace(t, robots=1) for t in grouping.tours], ideal_m=[grouping.ideal_m[0], 200.0])
     [usual] = nested_allocations(problem, [base], QUICK.allocation, least_slack=0.1)
-    settings = replace(QUICK.allocation, estimates=ESTIMATES[:3], separate_anchors=True)
+    settings = replace(QUICK.allocation, estimates=ESTIMATES[:3])
     found = list(nested_allocations(problem, [base], settings, least_slack=0.1))
     assert len(found) == 6  # from one vertex, then from several
     assert all(allocation.nested for allocation in found)

@@ -13,7 +13,7 @@ from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_pe
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.settings import AnnealingSettings, Stage
+from rota.planners.patrol.settings import Stage
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
@@ -30,11 +30,14 @@ def anneal_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: i
 
 
 def anneal_shape(context: Context, tours: list[Tour], *, seed: int) -> Annealed:
-    """The full annealing that finds the shape of the tours; later stages change little of it."""
+    """The full annealing that finds the shape of the tours; later stages change little of it.
+
+    It ends if half of its moves leave 3.3 % of the ground unseen: what it misses then takes more than repairs have.
+    """
     settings = context.settings.annealing
     return anneal_tours(
         context, tours, no_points(), moves=settings.moves, seed=seed,
-        halfway_unseen_limit=settings.halfway_unseen_limit, coarse=True,
+        halfway_unseen_limit=0.033, coarse=True,
     )  # fmt: skip
 
 
@@ -51,20 +54,21 @@ def anneal_tours(
 ) -> Annealed:
     """One annealing: everything seen if it can be, within the budgets if it can be, then short.
 
-    stage: its heat, weight of seeing and reserve; None: those of the settings and of the context.
+    stage: its heat, weight of seeing and reserve; None: hot, with the context's weight and a reserve for repairs.
     halfway_unseen_limit: it ends if half of the moves leave a larger share of the ground unseen.
-    coarse: a quarter of the samples where they are dense, and twice the moves, which then take the same time.
+    coarse: a quarter of the samples where a sixth of the reach then lies between them at most, and twice the moves,
+        which then take the same time.
     """
     problem, settings = context.problem, context.settings.annealing
-    stage = stage or Stage(settings.hot, context.coverage_weight, settings.reserve)
-    coarse = coarse and problem.spacing_m <= settings.coarse_spacing / 2 * problem.reach_m
+    stage = stage or Stage(1 / 2, context.coverage_weight, 0.03)
+    coarse = coarse and problem.spacing_m <= 0.0835 * problem.reach_m
     points, samples = prepare_with(problem, extra, coarse=coarse)
     search = Annealing(
         tours,
         samples._replace(weight=max(context.coverage_weight, stage.coverage_weight) * samples.weight),
         problem.paths.grid,
-        length_weight=length_weights(tours, settings),
-        budget_penalty=budget_penalties(tours, settings.budget_penalty),
+        length_weight=length_weights(tours),
+        budget_penalty=budget_penalties(tours, 4.0),  # more than a metre costs in any tour
         seed=seed,
         range_margin_m=problem.range_margin_m,
         reserve=stage.reserve,
@@ -76,7 +80,7 @@ def anneal_tours(
         return misses_much or context.should_stop()
 
     search.run(
-        moves, hot_m=stage.heat * problem.reach_m, cold_m=problem.reach_m / settings.cold,
+        moves, hot_m=stage.heat * problem.reach_m, cold_m=problem.reach_m / 200,
         should_stop=stop, done=progress_teller(context, search, points),
     )  # fmt: skip
     return search.annealed
@@ -97,18 +101,20 @@ def relevant_corners(context: Context, tours: list[Tour]) -> float:
     """Corners of the tours, with which annealing takes more moves.
 
     First tours along the ragged walls of a scan have several times more corners than they keep. There no more count
-    than such ground asks for.
+    than two in each reach of ideal tour.
     """
     problem = context.problem
     corners = sum(len(tour.vertices_m) for tour in tours)
     if not problem.is_ragged:
         return corners
     ideal_m = sum(r.shape.area for r in problem.regions if r.demand == "every_point") / problem.swath_m
-    return float(min(corners, context.settings.annealing.corners_per_reach * ideal_m / problem.reach_m))
+    return float(min(corners, 2 * ideal_m / problem.reach_m))
 
 
-def length_weights(tours: list[Tour], settings: AnnealingSettings) -> Floats:
-    """Cost (k,) of a metre of each tour: the shorter its period, the more of a robot a metre takes."""
+def length_weights(tours: list[Tour]) -> Floats:
+    """Cost (k,) of a metre of each tour: the shorter its period, the more of a robot a metre takes.
+
+    It is 0.3 for the slowest tour, and 0.8 for any at most: a metre less is not worth what it sees.
+    """
     slowest_s = max(tour.period_s for tour in tours)
-    weights = [settings.length_weight * slowest_s / tour.period_s for tour in tours]
-    return np.minimum(weights, settings.most_length_weight)
+    return np.minimum([0.3 * slowest_s / tour.period_s for tour in tours], 0.8)

@@ -18,6 +18,7 @@ from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import split_legs, without_repeats
 from rota.planners.patrol.driving.speed_kernels import Row
 from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.samples import MOST_CELLS
 from rota.planners.patrol.tours.tour import (
     Tour,
     hubs_and_petals,
@@ -43,7 +44,6 @@ class Annealed:
 
 
 LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
-MOST_BUCKETS = 4_000_000
 CHUNK, BENDS = 20_000, 2_000  # moves, and tries to see more, between two looks at the stop flag
 
 
@@ -249,7 +249,7 @@ class Annealing:
 def bucket_grid(space: EdgeGrid, reach_m: float) -> tuple[Floats, Ints]:
     """Corner and cell (3,), columns and rows (2,), of buckets as wide as the reach over the standing space."""
     wide_m, high_m = space.nx * space.cell_m, space.ny * space.cell_m
-    cell_m = max(reach_m, np.sqrt(wide_m * high_m / MOST_BUCKETS))
+    cell_m = max(reach_m, np.sqrt(wide_m * high_m / MOST_CELLS))
     counts = [int(np.ceil(wide_m / cell_m)) + 1, int(np.ceil(high_m / cell_m)) + 1]
     return np.array([space.x0, space.y0, cell_m]), np.array(counts, dtype=np.int64)
 

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.bounds.witness_points import MOST_LOOKED_AT
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tolerances import ROUNDING
 
 Floats = NDArray[np.float64]
 
-MOST_POINTS = 20_000  # of the lattices, for chains along straight lines
 DIRECTIONS = 16  # of such lines
 
 
@@ -39,7 +39,7 @@ def straight_chain_bound(problem: Problem, robot: Robot) -> ProvedBound:
     """The best chain of the problem's lattice points along straight lines, whatever lies between them."""
     points = problem.points
     lattice = np.flatnonzero((points.visit_m == 0) & (points.shrink_m > 0))
-    some = lattice[:: max(1, len(lattice) // MOST_POINTS)]
+    some = lattice[:: max(1, len(lattice) // MOST_LOOKED_AT)]
     period_s = np.array(problem.periods_s)[points.period[some]]
     return _proof(straight_chain(points.xy_m[some], robot.sensor.reach_m, period_s, robot.ground_speed_m_s))
 

@@ -11,7 +11,7 @@ import math
 from enum import IntEnum
 
 from rota.compiled.kernel import allocation_free, noinline
-from rota.planners.patrol.driving.rounded_kernels import STRAIGHT_BACK
+from rota.planners.patrol.driving.rounded_kernels import ALMOST
 from rota.planners.patrol.tolerances import SAME_PLACE_M, STRAIGHT
 
 BESIDE = 6  # places on either side of one that moves: what it changes beyond is left out
@@ -49,7 +49,7 @@ def _length(x, y):
 @allocation_free
 def across_m_s2(sine, limits):
     """The greatest acceleration round a corner; see ``rounded_kernels``."""
-    return limits[Limit.ACROSS] if sine < STRAIGHT_BACK else min(limits[Limit.ACROSS], limits[Limit.ALONG])
+    return limits[Limit.ACROSS] if sine < ALMOST else min(limits[Limit.ACROSS], limits[Limit.ALONG])
 
 
 @allocation_free

@@ -15,6 +15,7 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import rows_in_order
 from rota.planners.patrol.tolerances import HAIR_M
@@ -22,7 +23,7 @@ from rota.planners.patrol.tolerances import HAIR_M
 SPARE = 1.01  # of two bodies: centres are kept apart by that
 QUARTER_CORNERS = 4  # of a quarter turn round a robot that stays
 MOST_LOST = 1e-3  # of a part: where more is cut off, the robot that stays is in everybody's way
-WAIT_SPARE, WAIT_QUARTER_CORNERS = 1.0005, 64  # the same round one that waits for who takes turns with it
+WAIT_SPARE = 1.0005  # the same round one that waits for who takes turns with it
 
 
 def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Sequence[int]) -> Problem:
@@ -46,7 +47,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
             waits_m[own] = (waits_at.x, waits_at.y)
         for k in near:
             takes_turns = waits_at is not None and k in beside
-            taken = grow(waits_at, WAIT_SPARE * apart_m, WAIT_QUARTER_CORNERS) if takes_turns else disc
+            taken = grow(waits_at, WAIT_SPARE * apart_m, ARC_STEPS) if takes_turns else disc
             part = cut_back(parts, k, taken)
             if part is not parts[k]:
                 parts[k] = part

@@ -227,12 +227,12 @@ def points_of_regions(
     """The points that stand for all regions, and the spacing of their lattices in metres."""
     reach_m = inner_reach_m(robot.sensor)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = min(float(np.sqrt(asked_m2 / settings.most_samples)), settings.widest_spacing * reach_m)
+    spacing_m = min(float(np.sqrt(asked_m2 / settings.most_samples)), reach_m / 2)
     usual_m = max(reach_m / settings.per_reach, spacing_m)
     spacing_m = finer_spacing_m(asked_m2, reach_m, settings, usual_m)
-    shrink = settings.shrink if spacing_m == usual_m else settings.fine_shrink
-    if asked_m2 >= settings.large_from * spacing_m**2:
-        shrink = settings.large_shrink
+    shrink = settings.shrink if spacing_m == usual_m else 0.2  # as with twelve samples a reach at effort normal
+    if asked_m2 >= 100_000 * spacing_m**2:
+        shrink = 0.5  # on large ground a little overlap costs less than rounds of repair
     periods_s = periods_of(regions)
     each = [
         region_points(
@@ -248,7 +248,8 @@ def finer_spacing_m(asked_m2: float, reach_m: float, settings: SamplingSettings,
     """The spacing in metres on ground that the usual spacing gives few samples; else the usual one."""
     if settings.few_samples == 0:
         return usual_m
-    finer_m = max(reach_m / settings.most_per_reach, float(np.sqrt(asked_m2 / settings.few_samples)))
+    # more than twelve samples a reach spare no robot on small ground
+    finer_m = max(reach_m / 12, float(np.sqrt(asked_m2 / settings.few_samples)))
     return min(usual_m, finer_m)
 
 

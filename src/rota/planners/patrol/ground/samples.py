@@ -22,7 +22,7 @@ from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
 from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
-POINTS_TOGETHER = 2_000  # for which walls are looked for in one thread
+TOGETHER = 2_000  # places or points that one thread looks at
 MOST_CELLS = 4_000_000  # into which walls are sorted
 WALL_MARGIN = 0.001  # of the inner reach: walls count as longer by this at both ends
 
@@ -324,7 +324,7 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
         return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
     wanted = np.flatnonzero(points.visit_m == 0)
     cells = wall_cells(walls, reach_m / 2)
-    some = np.array_split(np.ascontiguousarray(points.xy_m[wanted]), 1 + len(wanted) // POINTS_TOGETHER)
+    some = np.array_split(np.ascontiguousarray(points.xy_m[wanted]), 1 + len(wanted) // TOGETHER)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         found = list(pool.map(lambda xy_m: walls_that_hide(xy_m, float(reach_m), cells), some))
     sizes = np.zeros(n, dtype=np.int64)

@@ -19,6 +19,7 @@ from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import (
+    TOGETHER,
     Rows,
     SamplePoints,
     known_walls,
@@ -35,7 +36,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
-PLACES_TOGETHER = 2_000  # from which one thread looks
 CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
 COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
 
@@ -87,7 +87,7 @@ def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, sampl
         start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
         return start, items.astype(np.int64)
 
-    found = side_by_side(rows_seen_from, np.array_split(places_m, 1 + len(places_m) // PLACES_TOGETHER))
+    found = side_by_side(rows_seen_from, np.array_split(places_m, 1 + len(places_m) // TOGETHER))
     sizes = np.concatenate([np.diff(start) for start, _ in found])
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
 

@@ -12,13 +12,18 @@ import numpy as np
 from rota.model.mission import inner_reach_m
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.initial.first_tours import PlaceGroup, class_groups, place_groups, shared_tour, tours_apart
+from rota.planners.patrol.initial.first_tours import (
+    DETOUR,
+    PlaceGroup,
+    class_groups,
+    place_groups,
+    shared_tour,
+    tours_apart,
+)
 from rota.planners.patrol.initial.nested_loops import can_nest, nest_tours, slowest
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.settings import AllocationSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-
-HUB_DETOUR = 1.15  # length of a real hub over that of an ideal one, for choosing how many robots share it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,7 +187,7 @@ def allocations(
             plain.append(Allocation(slack=slack, tours=shared.tours, nested=False))
         shape = tuple(sorted((tour.period_class, tour.robots) for tour in shared.tours))
         fresh = shape not in seen or problem.robot.body_radius_m > 0
-        if 1 < max(counts) <= settings.most_own_tours and fresh:
+        if 1 < max(counts) <= 64 and fresh:  # tours for more robots take long to lay
             tours = own_tours(problem, shared)
             if len(tours) == robots and slack_factor(shared, tours) >= least_slack:
                 plain.append(Allocation(slack=slack, tours=tours, nested=False))
@@ -207,7 +212,7 @@ def nesting_bases(problem: Problem, grouping: PeriodGrouping, counts: list[int],
     bases = [grouping.with_robots(counts)]
     load = [m / b for m, b in zip(grouping.ideal_m, single_budgets_m(grouping), strict=True)]
     slow = slowest(grouping.tours, load)
-    needed = [1 if k == slow else max(1, math.ceil(HUB_DETOUR * x)) for k, x in enumerate(load)]
+    needed = [1 if k == slow else max(1, math.ceil(DETOUR * x)) for k, x in enumerate(load)]
     needed[slow] += robots - sum(needed)
     if needed[slow] < 1:
         return bases
@@ -239,7 +244,7 @@ def nested_allocations(
 
     The way to every piece of slow ground and back makes them longer than a tour of it all.
     """
-    for base, separate in itertools.product(bases, (False, True) if settings.separate_anchors else (False,)):
+    for base, separate in itertools.product(bases, (False, True) if len(settings.estimates) > 1 else (False,)):
         latest = max(tour.period_class for tour in base.tours)
         hubs = [slack for period_class, slack in slack_factors(base) if period_class < latest]
         if min(hubs, default=math.inf) < least_slack:

@@ -22,7 +22,6 @@ Ints = NDArray[np.int64]
 
 STATIONS = 48  # places to a budget where a tour may be cut
 FULL = 0.94  # of its budget that a tour takes: repair leads it past more places
-HALVINGS = 12  # of the interval in which the least length is looked for
 STEP = 4.0  # of the distance between stations along the tour: exact ways between them
 
 
@@ -60,7 +59,7 @@ def cut(problem: Problem, tour: Tour) -> list[Tour]:
     if parts is None:
         return [tour]
     low, high = 0.0, FULL * budget_m
-    for _ in range(HALVINGS):
+    for _ in range(12):  # halvings, to less than a thousandth of the budget
         middle = (low + high) / 2
         tighter = fewest_parts(cuts, middle)
         if tighter is not None and len(tighter) <= len(parts):

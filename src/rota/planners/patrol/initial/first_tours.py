@@ -26,7 +26,7 @@ MOST_GEODESIC = 1500  # beyond as many places, their order is found with straigh
 MOST_ORDERED = 4000  # beyond as many places, lanes are their order
 MOST_ORDERED_RAGGED = 7000  # the same among ragged walls, which lanes would cross again and again
 STEP = 4.0  # of the reach: exact ways between places on ragged ground
-DETOUR = 1.15  # length of real tours over area / swath, for choosing groups
+DETOUR = 1.15  # length of real tours over area / swath, for choosing groups and how many robots share a hub
 
 
 def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:

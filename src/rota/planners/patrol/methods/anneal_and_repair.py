@@ -80,14 +80,17 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
 
 def anneal_once_more(context: Context, search: Annealed, extra: SamplePoints, stage: Stage, *, seed: int) -> Annealed:
     """The annealing that begins with the tours of another, with this stage's heat, weight and reserve."""
-    settings = context.settings.alternation
-    stage = stage._replace(heat=max(stage.heat, settings.least_heat))
-    return anneal_tours(context, search.tours, extra, moves=settings.moves, seed=seed, stage=stage)
+    stage = stage._replace(heat=max(stage.heat, 1 / 32))  # cooler ones hardly move
+    moves = context.settings.alternation.moves
+    return anneal_tours(context, search.tours, extra, moves=moves, seed=seed, stage=stage)
 
 
 def excess_share(context: Context, tours: Sequence[Tour]) -> float:
-    """The greatest excess over a budget, as a share of it or of a length that is long for what a repair adds."""
-    least_m = context.settings.alternation.short_reaches * context.problem.reach_m
+    """The greatest excess over a budget, as a share of it or of twenty reaches, if that is more.
+
+    What a lattice of samples misses costs metres in proportion to the reach, however short a tour is.
+    """
+    least_m = 20 * context.problem.reach_m
     return max(0.0, *(excess_m / max(budget_m, least_m) for excess_m, budget_m in excesses(tours)))
 
 

@@ -28,7 +28,7 @@ ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
 OFF_BORDER_M = 1e-8  # a place so far inside is surely inside
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
-HALVINGS, BISECTIONS = 6, 32  # of that way, where something stands in it
+HALVINGS = 6  # of that way, where something stands in it
 DEPTHS = 16  # places along the line of sight that are tried, up to the reach
 
 
@@ -119,7 +119,7 @@ def border_along(problem: Problem, begin_m: Floats, way_m: Floats, share: float)
     A hair before the border: what touches it counts as inside, and might be just outside.
     """
     low, high = share, min(1.0, 2 * share) if share > 0 else 0.5**HALVINGS
-    for _ in range(BISECTIONS if share < 1 else 0):
+    for _ in range(32 if share < 1 else 0):  # halvings, to less than a hair
         middle = (low + high) / 2
         if reached_straight(problem, begin_m[None], (begin_m + middle * way_m)[None])[0]:
             low = middle

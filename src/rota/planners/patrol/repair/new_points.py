@@ -33,7 +33,7 @@ def new_points(
     shorter_m: by how much less than they reach sensors are taken to reach for them.
     """
     problem = context.problem
-    most = max(context.settings.repair.new_points, len(problem.points) // 20)
+    most = max(1_500, len(problem.points) // 20)  # with more, annealing and programs take long
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     unmet_m, unmet_demand = verdict.unmet_points_m, verdict.unmet_demand
     if problem.is_ragged and len(verdict.shown_unmet_m):

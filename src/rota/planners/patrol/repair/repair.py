@@ -41,6 +41,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+MOST_STUCK = 4  # rounds in which as many places are unmet as before
+MOST_REROUTES = 3  # times that tours are led another way because bodies touch
+
+
 @dataclass(frozen=True, kw_only=True)
 class Repaired:
     """Tours, their plan and its verdict; ``extra``: all points that the judge found unmet on the way.
@@ -144,7 +148,7 @@ def repair_until_feasible(
             context = replace(context, problem=with_room_to_see(context.problem, new.xy_m))
         unmet.append(len(repaired.verdict.unmet_points_m))
         stuck = stuck + 1 if unmet[-1:] == unmet[-2:-1] else 0
-        if repaired.sees_all or turn == rounds or stuck == settings.stuck_rounds or context.should_stop():
+        if repaired.sees_all or turn == rounds or stuck == MOST_STUCK or context.should_stop():
             break
         if (not may_add and excess > 0 and not goes_on_over_budget) or (bends and hardly_falls(context.problem, unmet)):
             break
@@ -155,7 +159,7 @@ def repair_until_feasible(
             led_elsewhere = False
             continue
         # all is seen, but bodies touch
-        apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < settings.reroutes else None
+        apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_REROUTES else None
         if apart is None:
             break
         tours, reroutes, stuck, led_elsewhere = apart, reroutes + 1, 0, True
@@ -259,15 +263,15 @@ def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     return bending.tours
 
 
-def are_tight(context: Context, tours: Sequence[Tour]) -> bool:
-    """Whether some tour leaves hardly anything of its budget."""
-    return over_budget_share(tours, context.settings.repair.tight_reserve) > 0
+def are_tight(tours: Sequence[Tour]) -> bool:
+    """Whether some tour leaves less than 2 % of its budget."""
+    return over_budget_share(tours, 0.02) > 0
 
 
 def with_tight_margin(context: Context, tours: Sequence[Tour]) -> Problem:
     """The problem, with a smaller range margin where tours are tight: what is missed then takes rounds of repair."""
     problem = context.problem
-    if not are_tight(context, tours):
+    if not are_tight(tours):
         return problem
     return replace(problem, range_margin_m=context.settings.repair.tight_range_margin * problem.range_margin_m)
 
@@ -296,17 +300,20 @@ def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool
     not just the part of it round the point that was missed. Tight tours are asked for little, since every metre counts.
     """
     problem, settings = context.problem, context.settings.repair
-    if bends and are_tight(context, tours):
+    if bends and are_tight(tours):
         return settings.tight_bend * problem.reach_m + settings.tight_bend_growth * turn * problem.range_margin_m
     further_m = settings.roomy_bend * problem.reach_m if bends else 0.0
     return further_m + settings.roomy_bend_growth * turn * problem.range_margin_m
 
 
 def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
-    """The tours made shorter by moves too small to lose anything that is seen, at hardly any heat."""
-    settings = context.settings.repair
-    weighty = samples._replace(weight=settings.tightening_coverage_weight * samples.weight)
-    search = annealing_of(context, tours, weighty, length_weight=1.0, seed=seed, reserve=settings.tightening_reserve)
+    """The tours made shorter by moves too small to lose anything that is seen, at hardly any heat.
+
+    Seeing weighs twenty times as much as usual; a hundredth of the budgets is to be left, which detours take again.
+    """
+    weighty = samples._replace(weight=20 * samples.weight)
+    search = annealing_of(context, tours, weighty, length_weight=1.0, seed=seed, reserve=0.01)
     heat_m = context.problem.reach_m / 1000
-    search.run(settings.tightening_moves, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
+    moves = context.settings.repair.tightening_moves
+    search.run(moves, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
     return search.tours

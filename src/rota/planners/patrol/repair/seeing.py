@@ -19,8 +19,7 @@ def see_the_rest(
     context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
 ) -> list[Tour]:
     """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
-    length_weight = context.settings.repair.length_weight
-    search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
+    search = annealing_of(context, tours, samples, length_weight=0.3, seed=seed)  # metres are cheap
     search.see_more(500 + 40 * search.unseen, context.should_stop)
     return led_to_the_rest(context, search.tours, points, samples, seed=seed, unseen=search.unseen_samples)
 
@@ -66,6 +65,6 @@ def annealing_of(
     return Annealing(
         tours, samples, problem.paths.grid,
         length_weight=np.full(len(tours), length_weight),
-        budget_penalty=budget_penalties(tours, context.settings.repair.budget_penalty),
+        budget_penalty=budget_penalties(tours, 6.0),
         seed=seed, range_margin_m=problem.range_margin_m, reserve=reserve,
     )  # fmt: skip

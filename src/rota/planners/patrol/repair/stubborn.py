@@ -42,7 +42,7 @@ def visiting_stubborn(context: Context, tours: list[Tour], points: SamplePoints,
 
     Every such point is seen, but no single view takes in a whole piece round it.
     """
-    for i in range(min(len(points), context.settings.repair.visits)):
+    for i in range(min(len(points), 12)):  # each takes metres
         place = nearby_place(context.problem, points.xy_m[i], float(points.visit_m[i]), stuck)
         if place is not None:
             way_m = way_across(context.problem, points.xy_m[i], place)

@@ -33,7 +33,6 @@ WORDS = np.array(  # the pieces of each word
 STEP_RAD = math.pi / 16  # at most this much is turned at a corner of an arc
 MOST_CORNERS = 3 * (int(2 * math.pi / STEP_RAD) + 1)  # of the three arcs of a word
 NO_TURN_RAD = 1e-7  # smaller turns are rounding, and left out: legs beside such a corner have hardly any length
-FULL = 2 * math.pi
 BLOCKED_M = 1e9  # added to the length of a path that meets walls: any free one is shorter
 
 
@@ -49,8 +48,8 @@ class Leg(NamedTuple):
 @kernel
 def _wrap(angle):
     """The angle in 0..2 pi; what rounding leaves just below 2 pi is 0."""
-    angle = angle % FULL
-    return 0.0 if angle > FULL - NO_TURN_RAD else angle
+    angle = angle % math.tau
+    return 0.0 if angle > math.tau - NO_TURN_RAD else angle
 
 
 @kernel
@@ -88,7 +87,7 @@ def word_pieces(word, d, a, b, pieces):
         cosine = (6 - d * d + 2 * cab + side * 2 * d * (sa - sb)) / 8
         if abs(cosine) > 1:
             return False
-        middle = FULL - math.acos(cosine)
+        middle = math.tau - math.acos(cosine)
         if word == 4:
             first = a - math.atan2(ca - cb, d - sa + sb) + middle / 2
             last = a - b - first + middle

@@ -12,6 +12,7 @@ from rota.model.mission import DiscSensor, Fleet
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import laid_out
 from rota.planners.patrol.repair.bending.program import (
+    BUDGET_PENALTY,
     Rows,
     best_step,
     length_rows,
@@ -68,9 +69,7 @@ def cost(moves_m: Floats, budgets: csr_array, left_m: Floats, ranges: Rows) -> f
     over_m = np.maximum(0.0, budgets @ moves_m - left_m).sum()
     range_deficit_m = np.maximum(0.0, ranges.along @ moves_m - ranges.most_m).sum()
     return float(
-        BENDING.budget_penalty * over_m
-        + BENDING.range_weight * range_deficit_m
-        + BENDING.move_weight * np.abs(moves_m).sum()
+        BUDGET_PENALTY * over_m + BENDING.range_weight * range_deficit_m + BENDING.move_weight * np.abs(moves_m).sum()
     )
 
 
@@ -88,7 +87,7 @@ def least_cost(budgets: csr_array, left_m: Floats, ranges: Rows, border: Rows, *
     most_m = np.repeat(np.where(fixed, 0.0, TRUST_M), 2)
     prices = [np.zeros(n), np.full(n, BENDING.move_weight)]
     found = linprog(
-        np.concatenate([*prices, np.full(b, BENDING.budget_penalty), np.full(r, BENDING.range_weight)]),
+        np.concatenate([*prices, np.full(b, BUDGET_PENALTY), np.full(r, BENDING.range_weight)]),
         A_ub=limits,
         b_ub=np.concatenate([left_m, ranges.most_m, border.most_m, np.zeros(2 * n)]),
         bounds=[*zip(-most_m, most_m, strict=True), *[(0, None)] * (n + b + r)],

@@ -71,7 +71,7 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
         if repaired.met or context.should_stop() or in_vain:
             return repaired
         context = with_best_bound(context)
-    context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
+    context = replace(context, coverage_weight=coverage_weight_for(groupings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
     turns_on_spot = context.problem.robot.turn_radius_m == 0  # annealing and repairing curves again takes long
@@ -132,7 +132,7 @@ def search_upwards(context: Context, groupings: list[PeriodGrouping], robots: in
         if context.should_stop():
             break
         steps += 1
-        robots += 1 if steps < settings.single_steps else max(1, int(settings.coarse_step * robots))
+        robots += 1 if steps < settings.single_steps else max(1, robots // 8)  # later ones by an eighth of themselves
     if best is not None and best.met:
         return best
     return repair_first_tours(context, groupings)

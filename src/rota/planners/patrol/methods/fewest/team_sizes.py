@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from rota.planners.patrol.initial.allocation import PeriodGrouping, detour_factor, robots_per_tour, slack_factor
-from rota.planners.patrol.settings import TeamSizeSettings
 
 
-def coverage_weight_for(groupings: list[PeriodGrouping], settings: TeamSizeSettings) -> float:
-    """Multiple of the weight of seeing on open ground: the longer the detours round obstacles, the more."""
-    weight = max(1.0, detour_factor(groupings) / settings.open_detour)
-    return min(settings.most_coverage_weight, weight)
+def coverage_weight_for(groupings: list[PeriodGrouping]) -> float:
+    """Multiple of the weight of seeing on open ground: the longer the detours round obstacles, the more.
+
+    Where first tours are at most one and a half times as long as ideal ones, ground is open.
+    """
+    return min(6.0, max(1.0, detour_factor(groupings) / 1.5))
 
 
 def sure_team_size(groupings: list[PeriodGrouping]) -> int:

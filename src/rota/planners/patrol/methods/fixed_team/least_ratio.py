@@ -94,11 +94,11 @@ def next_stretch(
     if failed < 1 < passed:
         return 1.0
     if best is None:
-        # robots in each other's way: the demand itself is tried, however easy it should be
-        return max(settings.growth * stretch, 1.0 if turn == settings.tries - 2 else 0.0)
+        # a quarter longer; robots in each other's way: the demand itself is tried, however easy it should be
+        return max(1.25 * stretch, 1.0 if turn == settings.tries - 2 else 0.0)
     if passed <= least * settings.nearness or (passed <= 1 and 2 * (turn + 1) >= settings.tries):
         return None
-    return float(passed**settings.passed_weight * least ** (1 - settings.passed_weight))
+    return float(passed**0.65 * least**0.35)  # nearer to what passed: a try that fails takes longer
 
 
 def first_guess(context: Context, robots: int) -> Guess | None:
@@ -138,7 +138,7 @@ def fullest(grouping: PeriodGrouping) -> float:
 def with_stretch(context: Context, stretch: float, team: Team, best: Reached | None) -> Reached | None:
     """A plan for so much longer periods that passes, or None: from the best tours so far, or from new ones.
 
-    New ones are not begun for the sake of a little less, unless the settings say so.
+    New ones are not begun for the sake of a little less, unless annealings have several seeds.
     """
     problem = stretch_periods(context.problem, stretch)
     robots, settings = team.robots, context.settings
@@ -154,7 +154,7 @@ def with_stretch(context: Context, stretch: float, team: Team, best: Reached | N
         repaired = next((result for result in attempts if result is not None), None)
         if repaired is not None and repaired.robots == robots:
             return reach_of(repaired, stretch)
-        if not (settings.fixed_team.new_allocations or stretch == 1.0):
+        if not (settings.multistart.seeds > 1 or stretch == 1.0):
             return None
     groupings = period_groupings(problem, settings.allocation.groupings)
     repaired = plan_with_team_size(context, groupings, robots, least_slack=settings.allocation.least_slack)

@@ -91,7 +91,7 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
     robots = len(problem.mission.fleet.robots or ())
     team = Team(robots=robots, starting=starts_per_component(problem, asked), method=method)
     groupings = period_groupings(problem, context.settings.allocation.groupings)
-    weight = coverage_weight_for(groupings, context.settings.team_size)
+    weight = coverage_weight_for(groupings)
     anyone = replace(for_anyone(context), coverage_weight=weight)
     components = {tour.component for tour in groupings[0].tours}
     # who starts in a component stays in it: only helping others there is left to choose

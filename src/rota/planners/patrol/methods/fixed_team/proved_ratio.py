@@ -9,8 +9,6 @@ from rota.planners.patrol.bounds.strongest_robot import strongest_robot, sweep_m
 from rota.planners.patrol.bounds.turning_bound import circle_radius_m, turning_robots
 from rota.planners.patrol.ground.problem import Problem
 
-BISECTIONS = 14
-
 
 def proved_ratio(problem: Problem, robots: int) -> float:
     """A ratio below which no plan of so many robots has its worst gap: sweeping takes more robots for such periods.
@@ -39,7 +37,7 @@ def proved_ratio(problem: Problem, robots: int) -> float:
     low, high = 0.0, high / robots
     if high == 0:
         return 0.0
-    for _ in range(BISECTIONS):
+    for _ in range(14):  # halvings, to a tenth of a thousandth
         middle = (low + high) / 2
         if robots_needed(middle) > robots * (1 + 1e-6):
             low = middle

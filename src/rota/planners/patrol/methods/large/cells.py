@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ELSEWHERE = "outside the district"
-BISECTIONS = 40
 
 
 class Entered(NamedTuple):
@@ -59,7 +58,7 @@ def _cut(shape: BaseGeometry, box: Box, weights: Floats) -> Iterator[Box]:
     upright = right - left >= high - low
     bottom, top = (left, right) if upright else (low, high)
     wanted_m2 = shape.area * float(weights[:first].sum() / weights.sum())
-    for _ in range(BISECTIONS):
+    for _ in range(40):  # halvings, as far as digits go
         at = (bottom + top) / 2
         below = shapely.clip_by_rect(shape, x0 - 1, y0 - 1, *((at, y1 + 1) if upright else (x1 + 1, at)))
         bottom, top = (at, top) if below.area < wanted_m2 else (bottom, at)

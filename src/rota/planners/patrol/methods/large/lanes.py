@@ -32,7 +32,7 @@ from rota.planners.patrol.tours.tour import Tour, tour_length_m
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SHARING = 12  # robots of one district; with bodies, which would meet on lanes side by side, one
+MOST_SHARING = 12  # robots of one district or joined tour: what there is to check grows with their square
 MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders of lanes, take their square
 SHORTEST = 20.0  # reaches that a robot can drive in a period: with less, it hardly moves or is all turns
 MOST_TRIES = 8  # numbers of robots

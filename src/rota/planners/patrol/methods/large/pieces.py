@@ -27,6 +27,7 @@ from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
 from rota.planners.patrol.methods.large.districts import by_districts
+from rota.planners.patrol.methods.large.lanes import MOST_SHARING
 from rota.planners.patrol.methods.sweeping.search import judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -34,9 +35,6 @@ from rota.planners.patrol.tours.tour import Tour, tour_length_m
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SHARING = (
-    12  # robots of one joined tour: each drives all of it, and what there is to check grows with their square
-)
 NEAREST, EVERY = 16, 8  # vertices of a tour where a link may begin: the nearest, and as many of those that come next
 TRIED = 3  # of the nearest tours, to which a scrap may be joined
 SCRAP = 0.3  # of what a robot can travel in a period: a shorter tour is joined to another before all else
@@ -83,13 +81,16 @@ def in_pieces(context: Context) -> Repaired:
 
 
 def short_tours(context: Context) -> Annealed:
-    """Tours over one piece by itself, annealed until they are short: every metre costs a metre."""
+    """Tours over one piece by itself, annealed until they are short: every metre costs a metre.
+
+    Seeing weighs twenty times as much as usual, and budgets nothing: tours are joined and get their robots later.
+    """
     problem, settings = context.problem, context.settings.districts
     tours = period_groupings(problem, 1)[0].tours
     _, samples = prepare_with(problem, no_points())
     search = Annealing(
         tours,
-        samples._replace(weight=settings.piece_coverage_weight * samples.weight),
+        samples._replace(weight=20 * samples.weight),
         problem.paths.grid,
         length_weight=np.ones(len(tours)),
         budget_penalty=budget_penalties(tours, 0.0),
@@ -98,8 +99,8 @@ def short_tours(context: Context) -> Annealed:
     )
     search.run(
         int(settings.piece_moves * problem.asked_m2 / problem.swath_m / problem.reach_m),
-        hot_m=settings.piece_hot * problem.reach_m,
-        cold_m=settings.piece_cold * problem.reach_m,
+        hot_m=problem.reach_m / 4,
+        cold_m=1e-3 * problem.reach_m,
         should_stop=context.should_stop,
     )
     return search.annealed

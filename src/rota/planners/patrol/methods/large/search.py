@@ -56,18 +56,19 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     problem, settings = context.problem, context.settings.districts
     few = settings.enough * context.enough_robots
     if has_many(context):
-        few = max(few, settings.many_enough * max(context.enough_robots, perfect_lanes(problem)))
+        # no search spares a robot of lanes that take less than 15 % more than perfect ones
+        few = max(few, 1.15 * max(context.enough_robots, perfect_lanes(problem)))
     lanes: Repaired | None
     if is_built_up(context):
         lanes = in_pieces(context)
-        if lanes.met and not settings.searches_built_up:
+        if lanes.met and not context.settings.team_size.searches_ragged:
             return lanes
     else:
         lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
     count = boxes_for(problem.asked_m2, settings.most_area * problem.reach_m**2)
-    count = max(count, math.ceil(context.bound.robots / settings.most_robots))
+    count = max(count, math.ceil(context.bound.robots / 10))  # so many share one district
     if count == 1:
         return better(lanes, search(context))
     missions = missions_of(

@@ -20,6 +20,10 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
+BUDGET_PENALTY = 2.0  # of a metre over a budget
+FIRST_ROWS = 0.25  # of a step: ranges with less to spare are limits from the start
+
+
 class Rows(NamedTuple):
     """Limits on moves: ``along`` (r, 2n) times the moves of all vertices is at most ``most_m`` (r,)."""
 
@@ -58,12 +62,12 @@ def best_step(
     longer = settings.length_weight * (by_tour @ moved).sum(axis=0)
     moving = settings.move_weight + settings.length_weight * bent_by.sum(axis=0)
     program = GrowingProgram(
-        np.concatenate([moving + longer, moving - longer, np.full(b, settings.budget_penalty)]),
+        np.concatenate([moving + longer, moving - longer, np.full(b, BUDGET_PENALTY)]),
         np.concatenate([most_m, most_m, np.full(b, np.inf)]),
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
     )
-    taken = new = ranges.most_m < settings.first_rows * trust_m
+    taken = new = ranges.most_m < FIRST_ROWS * trust_m
     while True:
         program.add_soft_rows(
             csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=settings.range_weight
@@ -76,7 +80,7 @@ def best_step(
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > HAIR_M).any():
             return Step((moved @ variables).reshape(n, 2), cost + settings.length_weight * float(lengths_m.sum()))
-        new = ~taken & (beyond_m > -settings.first_rows * trust_m)
+        new = ~taken & (beyond_m > -FIRST_ROWS * trust_m)
         taken = taken | new
 
 

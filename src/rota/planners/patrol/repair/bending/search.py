@@ -23,13 +23,15 @@ from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.clearance import Border
 from rota.planners.patrol.repair.bending.layout import laid_out, sightings
-from rota.planners.patrol.repair.bending.program import best_step, range_rows
+from rota.planners.patrol.repair.bending.program import BUDGET_PENALTY, best_step, range_rows
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-7  # costs below this are rounding
+FIRST_TRUST = 0.04  # of the reach: how far vertices may move in the first step
+MOST_DEFICIT = 0.1  # of the reach: samples that lack more are not drawn to
 
 
 def can_bend(problem: Problem) -> bool:
@@ -61,12 +63,12 @@ class Bending:
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
-        longest = settings.longest_leg if driving_of(problem.robot).slopes is None else settings.longest_with_slopes
+        longest = 1.0 if driving_of(problem.robot).slopes is None else 2.0  # with mass every bend takes time
         self._layout, self._places_m = laid_out(tours, longest * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
         self._cost = self._cost_of(self._places_m, self._sightings)
-        self._trust_m = settings.first_trust * self._reach_m
+        self._trust_m = FIRST_TRUST * self._reach_m
 
     @property
     def tours(self) -> list[Tour]:
@@ -91,21 +93,22 @@ class Bending:
         """
         layout, kept = self._layout, (self._places_m, self._sightings, self._cost)
         left_m = layout.budget_m * (1 - self._reserve) - layout.counts @ layout.lengths_m(self._places_m)
-        tight = (layout.counts[left_m < self._settings.tight_share * layout.budget_m] > 0).any(axis=0)
+        tight = (layout.counts[left_m < 0.003 * layout.budget_m] > 0).any(axis=0)
         if tight.all() or not tight.any():
             return
-        for handicap_m in (self._settings.handover_deficit * self._reach_m, 0.0):
+        for handicap_m in (0.02 * self._reach_m, 0.0):  # others that lack no more can take it over
             self._handicap_m = np.where(tight, handicap_m, 0.0)
             self._sightings = self._look(self._places_m)
             self._cost = self._cost_of(self._places_m, self._sightings)
-            self._trust_m = self._settings.first_trust * self._reach_m
+            self._trust_m = FIRST_TRUST * self._reach_m
             self.run(steps, should_stop=should_stop)
         if self._cost >= kept[2]:
             self._places_m, self._sightings, self._cost = kept
 
     def step(self) -> bool:
         """Take one step, if it is one ahead; False when no further step is worth its time."""
-        if self._trust_m < self._settings.least_trust * self._reach_m or self._cost < ROUNDING:
+        # steps as small gain nothing that the check would see
+        if self._trust_m < 1e-4 * self._reach_m or self._cost < ROUNDING:
             return False
         layout, places_m, near_m = self._layout, self._places_m, 2.5 * self._trust_m
         clearances, fixed = self._border.clearances(layout, places_m, near_m)
@@ -121,7 +124,7 @@ class Bending:
         cost = self._cost_of(then_m, sightings_then)
         kept = (self._cost - cost) / (self._cost - step.cost)
         if kept > 0.7:
-            self._trust_m = min(1.5 * self._trust_m, self._settings.most_trust * self._reach_m)
+            self._trust_m = min(1.5 * self._trust_m, 0.1 * self._reach_m)  # beyond, ranges are far from linear
         elif kept < 0.3:
             self._trust_m *= 0.5
         if kept > 0.02:
@@ -132,7 +135,7 @@ class Bending:
         return sightings(
             self._layout, places_m, self._samples,
             range_margin_m=self._problem.range_margin_m,
-            further_m=self._settings.deficit_limit * self._reach_m, handicap_m=self._handicap_m,
+            further_m=MOST_DEFICIT * self._reach_m, handicap_m=self._handicap_m,
         )  # fmt: skip
 
     @property
@@ -144,9 +147,9 @@ class Bending:
         layout, settings = self._layout, self._settings
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
-        deficit_m = np.clip(sightings.range_deficit_m, 0.0, settings.deficit_limit * self._reach_m).sum()
+        deficit_m = np.clip(sightings.range_deficit_m, 0.0, MOST_DEFICIT * self._reach_m).sum()
         length_m = settings.length_weight * lengths_m.sum()
-        return float(settings.budget_penalty * over_m + settings.range_weight * deficit_m + length_m)
+        return float(BUDGET_PENALTY * over_m + settings.range_weight * deficit_m + length_m)
 
     def _kept_free(self, then_m: Floats) -> Floats:
         """The places, with the vertices of legs that would leave the space back where they were."""

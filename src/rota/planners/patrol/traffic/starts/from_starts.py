@@ -18,14 +18,13 @@ from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, largest_matching, least_squares
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
-from rota.planners.patrol.traffic.starts.places import in_turn
+from rota.planners.patrol.traffic.starts.places import MOST_CANDIDATES, in_turn
 from rota.planners.patrol.traffic.starts.run_ups import join_in_motion, round_of
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_ENTRIES = 4_000  # places on all loops that are looked at together
 MOST_SHIFTS = 64  # moments of the common timetable at which the loops may begin
 MOST_TRIED = 6  # of them that are worked out and judged
 MOST_TIMED_APPROACHES = 2_500  # that are timed to know what their turns take
@@ -247,7 +246,7 @@ class Entries:
 
 def entry_choices(rounds: Sequence[TimedLine], starts: Starts) -> Entries:
     """Moments of the common timetable, its beginning first: when loops pass nearest to starts, and others evenly."""
-    most = int(np.clip(MOST_ENTRIES // len(rounds), 4, MOST_SHIFTS))
+    most = int(np.clip(MOST_CANDIDATES // len(rounds), 4, MOST_SHIFTS))
     longest_s = max(line.duration_s for line in rounds)
     placed = [place for place in starts.places_m if place is not None]
     shifts = [0.0]

@@ -15,7 +15,7 @@ from rota.model.mission import StartBox
 
 Floats = NDArray[np.float64]
 
-MOST_CANDIDATES = 4_000
+MOST_CANDIDATES = 4_000  # places that are looked at together
 BODY_SPACING = 1.001  # than touching
 
 
