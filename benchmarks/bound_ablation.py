@@ -21,6 +21,7 @@ from unittest.mock import patch
 import numpy as np
 from shapely import MultiPolygon, box
 
+from benchmarks.cyclic_visits import random_places
 from benchmarks.known_plans import known_plan
 from benchmarks.missions import example_missions
 from benchmarks.plan_hashes import mission_of
@@ -43,6 +44,7 @@ PROOFS: dict[str, tuple[str, Any]] = {
     "chains": ("chain_bound", NOTHING),
     "forests": ("forest_bound", NOTHING),
     "components": ("_by_components", NOTHING),
+    "visits": ("visits_bound", ()),
 }
 
 
@@ -82,6 +84,7 @@ KINDS: dict[str, tuple[Callable[[Any], Mission], list[Any]]] = {
     ),
     "round known plans": (lambda seed: known_plan(seed).mission, list(range(150))),
     "few zones far apart": (lambda seed: scattered_zones(seed, few=True), list(range(60))),
+    "places to visit": (lambda seed: random_places(seed, ("deadlines", "latencies")[seed % 2]), list(range(100))),
     "many small zones": (lambda seed: scattered_zones(seed, few=False), list(range(60))),
 }
 

@@ -14,6 +14,7 @@ from benchmarks.check_legs import check_legs
 from benchmarks.city import city
 from benchmarks.cold_start import cold_start
 from benchmarks.create2_sketch import create2_sketch
+from benchmarks.cyclic_visits import cyclic_visits
 from benchmarks.damaged_cache import damaged_cache
 from benchmarks.export_formats import export_formats
 from benchmarks.flights import flights
@@ -225,6 +226,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "small-jobs": small_jobs,
     "motion": motion,
     "never-more": never_more,
+    "cyclic-visits": cyclic_visits,
     "stopping": stopping,
     "house": house,
     "suite": suite,

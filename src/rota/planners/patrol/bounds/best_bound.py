@@ -19,8 +19,10 @@ from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.bounds.turning_bound import circle_radius_m, turning_robots
+from rota.planners.patrol.bounds.visits_bound import visits_bound
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.targets import targets_of
 
 MOST_WINDOWS = 6  # for which forests are tried
 NOTHING_ASKED = ProvedBound(robots=0, reason="nothing that is asked can be seen")
@@ -44,7 +46,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
     if not len(problem.points):
         return NOTHING_ASKED
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
-    witnesses = witnesses_of(problem, robot.sensor.reach_m)
+    witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     pieces = ground_pieces(regions, seeable_m2)
     proofs = [
@@ -55,9 +57,9 @@ def prove_bound(problem: Problem) -> ProvedBound:
         straight_chain_bound(problem, robot),
     ]
     if witnesses.components > 1:
-        proofs.append(_by_components(witnesses, robot))
+        proofs.append(_by_components(witnesses, robot, visits))
     best = max_of(proofs)
-    return max_of([best, *_by_witnesses(witnesses, robot, best.robots)])
+    return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits)])
 
 
 def _by_areas(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot) -> ProvedBound:
@@ -78,24 +80,31 @@ def _by_rates(
     yield rate_proof(*turning_robots(shapes, asked_m2, periods_s, robot, radius_m), turns=True)
 
 
-def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int) -> Iterator[ProvedBound]:
+def asks_for_visits(problem: Problem) -> bool:
+    """Whether a robot meets some of several demands by coming to a place; other ground is swept."""
+    return len(problem.regions) > 1 and len(targets_of(problem)) > 0
+
+
+def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
     """The proofs from places far apart. least: what is known already, so that vain searches end early."""
     apart_m, speed_m_s = witnesses.apart_m, robot.ground_speed_m_s
     yield clique_bound(apart_m, witnesses.period_s, speed_m_s)
     if np.isfinite(witnesses.way_m).all():
         yield chain_bound(witnesses.way_m, witnesses.spread_m, witnesses.period_s, speed_m_s)
+    if visits:
+        yield from visits_bound(apart_m, witnesses.period_s, speed_m_s, least)
     windows_s = np.unique(witnesses.period_s)
     for window_s in windows_s[:: max(1, len(windows_s) // MOST_WINDOWS)]:
         asked = np.flatnonzero(witnesses.period_s <= window_s)
         yield forest_bound(apart_m[np.ix_(asked, asked)], float(window_s), speed_m_s, least)
 
 
-def _by_components(witnesses: Witnesses, robot: Robot) -> ProvedBound:
+def _by_components(witnesses: Witnesses, robot: Robot, visits: bool) -> ProvedBound:
     """The bounds of the components, added up: what is seen from one component alone takes robots of its own."""
     each = []
     for component in np.unique(witnesses.component[witnesses.component >= 0]):
         own = witnesses.choose(witnesses.component == component)
-        each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1))]))
+        each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1, visits))]))
     return ProvedBound(
         robots=sum(each),
         reason=f"the ground falls into {len(each)} parts between which no robot can travel,"

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from shapely import MultiPolygon
+from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, border_segments, standing_space
@@ -183,6 +183,11 @@ class _WiderSpace:
         inside = shapely.intersection(shape.buffer(ROOM * self.reach_m, join_style="mitre"), self.travel)
         if inside.is_empty:
             return None
+        hull = shapely.convex_hull(inside)
+        if shapely.contains(self.travel, hull):  # all of it is reached straight
+            middle = shapely.get_coordinates(shapely.centroid(hull))[0]
+            corners = shapely.get_coordinates(hull) - middle
+            return self._place(middle, inside, float(np.hypot(*corners.T).max()), Polygon())
         middle = shapely.get_coordinates(shapely.point_on_surface(inside))[0]
         return self._place(middle, inside, 0.0)
 

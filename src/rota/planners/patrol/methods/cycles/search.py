@@ -126,10 +126,11 @@ def fewest_for_targets(context: Context, search: Callable[[Context], Repaired]) 
     farther into zones than they must go.
     """
     teams = teams_for_targets(context)
+    if teams:
+        context = with_best_bound(context)
     if not teams or teams[0].is_plain:
         best = search(context)
         return first_met(context, [team for team in teams if team.robots < best.robots or not best.met]) or best
-    context = with_best_bound(context)
     found = first_met(context, teams)
     if found is not None and found.robots <= context.enough_robots:
         return found
