@@ -61,11 +61,6 @@ def changed(result: Any, given: tuple[Any, ...]) -> bool:
     return result is not tours
 
 
-def any_changed(result: Any, given: tuple[Any, ...]) -> bool:
-    """Whether any tour of the first argument came back as another one."""
-    return any(after is not before for after, before in zip(result, given[0], strict=True))
-
-
 def is_there(result: Any, _: tuple[Any, ...]) -> bool:
     """Whether anything came back."""
     return result is not None
@@ -88,7 +83,6 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 MECHANISMS = (
     Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
-    Mechanism("drawing to the border", (f"{REPAIR}.draw_to_border",), lambda tours, *_, **__: tours, any_changed),
     Mechanism("tightening", (f"{REPAIR}.tightened",), tours_as_given, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), tours_as_given, changed),
@@ -111,7 +105,6 @@ MECHANISMS = (
     Mechanism(
         "several allocations and seeds in full", stage="multistart", values={"allocations": 1, "seeds": 1, "kept": 1}
     ),
-    Mechanism("two coverage weights in turn", stage="multistart", values={"coverage_weights": (1.0,)}),
     Mechanism(
         "coverage weight that grows with detours",
         (f"{SEARCH}.coverage_weight_for",),

@@ -84,14 +84,12 @@ class MultistartSettings:
     tries: a team size is tried so often, with other seeds, where annealings are so short that all tries together make
         no more moves than one with tours of ``reference_corners`` corners.
     kept: at most this many annealed tours go on, those with the least shortfall.
-    coverage_weights: the annealings take these multiples of the weight of seeing in turn.
     """
 
     allocations: int
     seeds: int
     kept: int
     tries: int = 1
-    coverage_weights: tuple[float, ...] = (1.0, 2.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,12 +11,10 @@ from shapely import MultiPolygon, Point, Polygon, affinity, box
 
 import rota
 from rota.geometry.free_space import DemandedRegion, standing_space
-from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.planners.patrol.ground.limits_of_sight import (
     FEW_CORNERS,
     area_in_range,
-    draw_to_border,
     limit_is_asked_for,
     limit_points,
     with_reach_for,
@@ -26,7 +24,6 @@ from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.samples import points_of
 from rota.planners.patrol.ground.standing import fine_arc_corners
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.tours.tour import Tour
 
 DISC = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2)).equal_robot("r")
 SQUARE = Fleet(speed_m_s=1, sensor=SquareSensor(side_m=4)).equal_robot("r")
@@ -111,25 +108,6 @@ def test_arcs_are_fine_at_the_limit_of_sight() -> None:
         assert body_m * (1 / math.cos(math.pi / corners) - 1) <= 0.0005 + 1e-12
 
 
-def test_legs_beside_the_border_are_drawn_onto_it() -> None:
-    paths = ShortestPaths(SPACE)
-    around = np.array([[4.0, 3.999], [9, 3.996], [9.002, 9.5], [6, 9.503], [3.0, 12.0], [3.999, 6.0]])
-    tour = Tour(vertices_m=around, period_class=0, period_s=60, robots=1, robot=DISC)
-    border = shapely.get_coordinates(shapely.segmentize(CLOSED.boundary, 0.4))
-    (drawn,) = draw_to_border([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
-    far = shapely.distance(shapely.points(drawn.vertices_m), shapely.boundary(CLOSED))
-    assert ((far < 1e-12) | (far > 1)).all()
-    assert (far > 1).sum() == 1
-    # no leg cuts the corner that it had passed a hair off
-    legs = [shapely.LineString([a, b]) for a, b in zip(drawn.vertices_m, np.roll(drawn.vertices_m, -1, 0), strict=True)]
-    assert not any(leg.relate_pattern(CLOSED, "T********") for leg in legs)
-    # where all is seen from elsewhere, nothing moves
-    (same,) = draw_to_border([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
-    assert same is tour
-    (same,) = draw_to_border([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
-    assert same is tour
-
-
 def mission(sensor: Sensor, area: Polygon, closed: Polygon | None = None, *, body_radius_m: float = 0.0) -> Mission:
     obstacles = () if closed is None else (Obstacle(shape=MultiPolygon([closed]), blocks="motion"),)
     return Mission(
@@ -149,8 +127,7 @@ CORRIDOR = box(0, 0, 3, 3).union(box(3, 1, 4.2, 1.15))
 def test_every_sample_of_a_problem_is_seen_from_one_of_its_places() -> None:
     problem = set_up_problem(mission(DiscSensor(radius_m=1), YARD, BLOCK))
     assert set(problem.viewpoints.seen.tolist()) == set(range(len(problem.points)))
-    assert len(problem.border_places_m)
-    assert shapely.distance(BLOCK.boundary, shapely.points(problem.border_places_m)).max() < 1e-9
+    assert problem.at_limit
     # only the core is given up: half a metre square, of which lattice points 0.2 m apart are dropped
     core = box(2.5, 2.6, 3.0, 3.1)
     assert not shapely.contains_xy(core, problem.points.xy_m).any()

@@ -13,12 +13,9 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, border_segments
-from rota.geometry.line_of_sight import segments_free
-from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Robot
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.ground.sight import sensor_arguments
-from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 
@@ -105,45 +102,3 @@ def with_reach_for(points: SamplePoints, ranges_m: Floats, reach_m: float, range
     """
     most_m = np.maximum((reach_m - ranges_m) / 2, 0.0) - range_margin_m
     return replace(points, shrink_m=np.minimum(points.shrink_m, most_m))
-
-
-def draw_to_border(
-    tours: Sequence[Tour],
-    border_places_m: Floats,
-    space: MultiPolygon,
-    paths: ShortestPaths,
-    *,
-    near_m: float,
-    wide_m: float,
-) -> list[Tour]:
-    """The tours, drawn onto the border of the space where the limit of sight is seen from there only.
-
-    A tour that keeps a hair off the border leaves a strip unseen. border_places_m: (n, 2) on the border. Vertices
-    within ``wide_m`` of one of these and within ``near_m`` of the border move onto it. A leg that then cuts an obstacle
-    goes round its corner.
-    """
-    if not len(border_places_m):
-        return list(tours)
-    tree = cKDTree(border_places_m)
-    border = space.boundary
-    shapely.prepare(border)
-    return [_draw_to_border(tour, tree, border, paths, near_m=near_m, wide_m=wide_m) for tour in tours]
-
-
-def _draw_to_border(
-    tour: Tour, border_places: cKDTree, border: BaseGeometry, paths: ShortestPaths, *, near_m: float, wide_m: float
-) -> Tour:
-    """One tour as ``draw_to_border`` leaves it."""
-    close = np.flatnonzero(border_places.query(tour.vertices_m)[0] <= wide_m)
-    close = close[shapely.dwithin(border, shapely.points(tour.vertices_m[close]), near_m)]
-    if not len(close):
-        return tour
-    vertices = tour.vertices_m.copy()
-    lines = shapely.shortest_line(border, shapely.points(vertices[close]))
-    vertices[close] = shapely.get_coordinates(lines)[::2]
-    ends = np.roll(vertices, -1, axis=0)
-    if paths.part_of(vertices[close]).min() < 0:
-        return tour
-    if not segments_free(vertices, ends, paths.grid).all():
-        vertices = paths.paths_along(np.vstack([vertices, vertices[:1]]))[:-1]
-    return replace(tour, vertices_m=vertices)

@@ -49,12 +49,12 @@ class Problem:
     robot: any robot of the fleet can stand in for it. regions: what must be seen or visited how often. space, paths:
     where the robot's centre may be, and the shortest paths there. sure_space: see ``StandingSpace``. walls: (k, 4)
     metres, the borders of what blocks sight. points: what tours are made to see, in the order of ``samples``, which are
-    the same as the kernels take them. viewpoints: places from which all of them are seen. border_places_m: (m, 2) on
-    the border of the space, from where alone the limit of sight is seen; none where no region reaches that far.
-    range_margin_m: by how much less than its reach the sensor is taken to see. spacing_m: between the points of the
-    lattices. kept_off: parts of the space, by their numbers, that were cut back from ground about a robot that stays in
-    another part, each with that ground. waits_m: of parts whose robots step aside for others, by their numbers, the
-    places (x, y) where they wait meanwhile.
+    the same as the kernels take them. viewpoints: places from which all of them are seen. at_limit: whether some of
+    them lie at the limit of sight, which is seen from the border of the space alone. range_margin_m: by how much less
+    than its reach the sensor is taken to see. spacing_m: between the points of the lattices. kept_off: parts of the
+    space, by their numbers, that were cut back from ground about a robot that stays in another part, each with that
+    ground. waits_m: of parts whose robots step aside for others, by their numbers, the places (x, y) where they wait
+    meanwhile.
     """
 
     mission: Mission
@@ -67,7 +67,7 @@ class Problem:
     points: SamplePoints
     samples: Samples
     viewpoints: Viewpoints
-    border_places_m: Floats
+    at_limit: bool
     range_margin_m: float
     spacing_m: float
     kept_off: tuple[tuple[int, Polygon], ...] = ()
@@ -147,12 +147,10 @@ def set_up_problem(
         sampling = replace(sampling, few_samples=0)
     points, spacing_m = points_of_regions(regions, space, robot, sampling)
     require_going_on(should_stop, LAID_OUT)
-    border_places_m = np.zeros((0, 2))
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
-        places_m, ranges_m = nearest_places(last.xy_m, space, walls, robot)
-        points, border_places_m = join([points, last]), places_m[np.isfinite(ranges_m)]
+        points = join([points, last])
         require_going_on(should_stop, LAID_OUT)
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
     require_going_on(should_stop, LAID_OUT)
@@ -172,7 +170,7 @@ def set_up_problem(
         mission=mission, robot=robot, regions=regions, space=space, sure_space=sure_space, paths=paths, walls=walls,
         points=points, samples=samples,
         viewpoints=Viewpoints(seen.places_m, paths.part_of(seen.places_m), *seen_from),
-        border_places_m=border_places_m, range_margin_m=margin_m, spacing_m=spacing_m,
+        at_limit=at_limit, range_margin_m=margin_m, spacing_m=spacing_m,
     )  # fmt: skip
 
 

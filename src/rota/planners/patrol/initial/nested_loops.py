@@ -25,7 +25,7 @@ MOST_PETALS = 12
 def can_nest(problem: Problem) -> bool:
     """Whether nests are tried: their timetable knows neither turning time at the hub nor bodies."""
     robot = problem.robot
-    return robot.body_radius_m == 0 and robot.turns_at_once and not len(problem.border_places_m)
+    return robot.body_radius_m == 0 and robot.turns_at_once and not problem.at_limit
 
 
 def petals_of(tour: Tour, slow_s: float) -> int:

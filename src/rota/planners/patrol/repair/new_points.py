@@ -54,7 +54,7 @@ def new_points(
             samples.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
             continue
         ranges_m = np.zeros(len(xy))
-        if len(problem.border_places_m):
+        if problem.at_limit:
             order, ranges_m = hardest_first(problem, tours, xy)
             xy = xy[order]
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)

@@ -16,7 +16,6 @@ from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepare_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
-from rota.planners.patrol.ground.limits_of_sight import draw_to_border
 from rota.planners.patrol.ground.nooks import nooks_of
 from rota.planners.patrol.ground.problem import Problem, stretch_periods
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -183,10 +182,7 @@ def seeing_all(
         return [with_robots(tour) for tour in tours] if may_add else tours
     points, samples = prepare_with(problem, extra)
     lead = bent if bends else see_the_rest
-    tours = draw_to_border(
-        lead(context, tours, points, samples, seed=seed), problem.border_places_m, problem.space, problem.paths,
-        near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
-    )  # fmt: skip
+    tours = lead(context, tours, points, samples, seed=seed)
     if may_add:
         return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
     if not bends and over_budget_share(tours) > 0:

@@ -1,4 +1,4 @@
-"""Of several full annealings those with the least shortfall go on, as many of each weight of seeing."""
+"""Of several full annealings those with the least shortfall go on."""
 
 from __future__ import annotations
 
@@ -9,25 +9,22 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.initial.allocation import period_groupings
-from rota.planners.patrol.methods.fewest.multistart import anneal_in_full, least_of_each
+from rota.planners.patrol.methods.fewest.multistart import anneal_in_full
 from rota.planners.patrol.settings import MultistartSettings
 
 
-@pytest.mark.parametrize(
-    ("shortfalls_m", "kind", "most", "expected"),
-    [
-        ([5.0, 9.0], [0, 0], 2, [0, 1]),
-        ([9.0, 5.0, 1.0], [0, 0, 0], 2, [2, 1]),
-        # of each kind as many, even where all of one are nearer than any of the other
-        ([1.0, 2.0, 3.0, 7.0, 9.0, 8.0], [0, 0, 0, 1, 1, 1], 4, [0, 3, 1, 5]),
-        ([1.0, 2.0, 3.0, 7.0], [0, 0, 0, 1], 4, [0, 3, 1, 2]),
-        ([], [], 3, []),
-    ],
-)
-def test_of_each_kind_the_least_shortfalls_go_on(
-    shortfalls_m: list[float], kind: list[int], most: int, expected: list[int]
-) -> None:
-    assert least_of_each(shortfalls_m, kind, most) == expected
+def test_those_with_the_least_shortfall_go_on() -> None:
+    context = search_on(YARD)
+    settings = replace(
+        context.settings,
+        multistart=MultistartSettings(allocations=2, seeds=3, kept=6),
+        annealing=replace(context.settings.annealing, moves=1_000),
+    )
+    tours = [period_groupings(context.problem, 1)[0].with_robots([2]).tours]
+    shortfalls_m = [each.shortfall_m for each in anneal_in_full(replace(context, settings=settings), tours, seed=4)]
+    few = replace(settings, multistart=replace(settings.multistart, kept=2))
+    kept = anneal_in_full(replace(context, settings=few), tours, seed=4)
+    assert sorted(each.shortfall_m for each in kept) == sorted(shortfalls_m)[:2]
 
 
 @pytest.mark.parametrize(("begun", "seeds", "count"), [(2, 1, 2), (1, 1, 1), (1, 3, 4), (2, 3, 4), (0, 3, 0)])

@@ -42,7 +42,7 @@ def can_bend(problem: Problem) -> bool:
     stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
     robot = problem.robot
     turns = robot.turn_rate_rad_s is not None or robot.turn_radius_m > 0
-    return not stands and not turns and not len(problem.border_places_m)
+    return not stands and not turns and not problem.at_limit
 
 
 class Bending:
