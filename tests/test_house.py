@@ -27,8 +27,8 @@ PATROL_STAGES = [
 ]
 METHOD_STAGES = [
     ["method"],
-    ["anneal_and_repair", "sweeping", "sun2019", "cycles"],
-    ["fewest", "large"],
+    ["anneal_and_repair", "sweeping", "sun2019"],
+    ["fewest", "large", "cycles"],
     ["tours", "fixed_team"],
 ]
 

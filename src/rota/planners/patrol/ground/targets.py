@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -19,13 +19,15 @@ Ints = NDArray[np.int64]
 class Targets:
     """Places (n, 2) to come to, the period (n,) of each, its class (n,), and its part (n,) of the standing space.
 
-    regions: the numbers of the demands that are met so; a place may meet several.
+    room_m (n,): how far from its place a robot may be instead; 0 for ground that is seen. regions: the numbers of the
+    demands that are met so; a place may meet several.
     """
 
     places_m: Floats
     period_s: Floats
     period_class: Ints
     component: Ints
+    room_m: Floats
     regions: tuple[int, ...]
 
     def __len__(self) -> int:
@@ -34,21 +36,37 @@ class Targets:
 
 def targets_of(problem: Problem) -> Targets:
     """The demands of a problem that are met from one place, each with a place; places that meet several stand once."""
-    points, found = problem.points, dict[int, Floats]()
-    for region, demand in enumerate(problem.regions):
-        own = np.flatnonzero(points.region == region)
-        if len(own) and demand.demand == "visit":
-            found[region] = points.xy_m[own[0]]
-    found |= places_that_see_regions(problem)
+    visits = np.flatnonzero(problem.points.visit_m > 0)
+    room_m = dict(zip(problem.points.region[visits].tolist(), problem.points.visit_m[visits].tolist(), strict=True))
+    found = dict(zip(room_m, problem.points.xy_m[visits], strict=True)) | places_that_see_regions(problem)
     regions = sorted(found)
     places_m = np.array([found[k] for k in regions]).reshape(-1, 2)
     places_m, which = np.unique(places_m, axis=0, return_inverse=True)
     period_class = np.full(len(places_m), len(problem.periods_s), dtype=np.int64)
     np.minimum.at(period_class, which.ravel(), [problem.region_class[k] for k in regions])
+    least_m = np.full(len(places_m), np.inf)
+    np.minimum.at(least_m, which.ravel(), [room_m.get(k, 0.0) for k in regions])
     return Targets(
         places_m=places_m, period_s=np.array(problem.periods_s)[period_class], period_class=period_class,
-        component=problem.paths.part_of(places_m), regions=tuple(regions),
+        component=problem.paths.part_of(places_m), room_m=least_m, regions=tuple(regions),
     )  # fmt: skip
+
+
+def draw_together(targets: Targets) -> Targets:
+    """The same with each place as near as it may be to the middle of the two that are nearest to it."""
+    places_m, count = targets.places_m, len(targets)
+    if count < 2:
+        return targets
+    apart_m = np.hypot(*(places_m[:, None] - places_m[None]).transpose(2, 0, 1))
+    apart_m[targets.component[:, None] != targets.component[None]] = np.inf
+    np.fill_diagonal(apart_m, np.inf)
+    nearest = np.argsort(apart_m, axis=1, kind="stable")[:, : min(2, count - 1)]
+    near = np.isfinite(np.take_along_axis(apart_m, nearest, axis=1))[..., None]
+    middle_m = (near * places_m[nearest]).sum(axis=1) / np.maximum(near.sum(axis=1), 1)
+    way_m = np.where(near.any(axis=1), middle_m - places_m, 0.0)
+    length_m = np.hypot(*way_m.T)
+    share = np.minimum(1.0, targets.room_m / np.maximum(length_m, 1e-12))
+    return replace(targets, places_m=places_m + share[:, None] * way_m)
 
 
 def places_that_see_regions(problem: Problem) -> dict[int, Floats]:

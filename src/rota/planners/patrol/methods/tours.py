@@ -8,7 +8,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.initial.standing import robots_stand
-from rota.planners.patrol.methods.cycles.search import fewest_for_targets
+from rota.planners.patrol.methods.cycles.fewest import fewest_for_targets
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large
 from rota.planners.patrol.methods.sweeping.first_plan import sweep

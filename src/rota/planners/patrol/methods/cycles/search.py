@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.context import Context, with_best_bound
+from rota.planners.patrol.context import Context
 from rota.planners.patrol.cycles.teams import Share, share_places
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.ground.targets import Targets, targets_of
+from rota.planners.patrol.ground.targets import Targets, draw_together, targets_of
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tolerances import SLOWER
@@ -45,18 +45,32 @@ class Team:
         return all(share.is_plain for share in self.shares)
 
 
-def teams_for_targets(context: Context) -> list[Team]:
-    """Teams that meet all demands from single places, if that can be; those first that count least for corners.
+def teams_for_all(context: Context) -> list[Team]:
+    """Teams that meet all demands from single places; none where some demand is not met so."""
+    targets = targets_of(context.problem)
+    return teams_for(context, targets) if meet_all(context.problem, targets) else []
 
-    None where some demand is not met from one place, there are more than ``MOST_TARGETS``, or one alone. A later team
-    takes more robots than those before it.
+
+def meet_all(problem: Problem, targets: Targets) -> bool:
+    """Whether nothing is asked beside the targets."""
+    return set(problem.points.region.tolist()) == set(targets.regions)
+
+
+def teams_for(context: Context, targets: Targets) -> list[Team]:
+    """Teams for the targets, those first that count least for corners; a later one takes more robots.
+
+    Places near the borders of their zones are taken where that spares a robot. None for more than ``MOST_TARGETS``
+    places, or fewer than two.
     """
-    problem = context.problem
-    targets = targets_of(problem)
-    asked = {region for region in range(len(problem.regions)) if (problem.points.region == region).any()}
-    if asked != set(targets.regions) or not 1 < len(targets) <= MOST_TARGETS:
+    if not 1 < len(targets) <= MOST_TARGETS:
         return []
-    straight_s, turning_s = leg_times(problem, targets)
+    teams, nearer = (teams_for_places(context, each) for each in (targets, draw_together(targets)))
+    return nearer if nearer and nearer[-1].robots < teams[-1].robots else teams
+
+
+def teams_for_places(context: Context, targets: Targets) -> list[Team]:
+    """The same for the places as they are."""
+    straight_s, turning_s = leg_times(context.problem, targets)
     teams = list[Team]()
     for share in AT_CORNERS[::-1]:
         if context.should_stop():
@@ -99,9 +113,13 @@ def best_shares(context: Context, targets: Targets, legs_s: Floats) -> list[Shar
     return shares
 
 
-def plan_for_team(context: Context, team: Team) -> Repaired:
-    """The team's tours with their plan and its verdict."""
-    tours = [tour_of(context.problem, team.targets, share) for share in team.shares]
+def tours_of(problem: Problem, team: Team) -> list[Tour]:
+    """The tours of a team."""
+    return [tour_of(problem, team.targets, share) for share in team.shares]
+
+
+def judge_tours(context: Context, tours: list[Tour]) -> Repaired:
+    """The tours with their plan and its verdict."""
     plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
     return Repaired(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
 
@@ -119,29 +137,10 @@ def tour_of(problem: Problem, targets: Targets, share: Share) -> Tour:
     )  # fmt: skip
 
 
-def fewest_for_targets(context: Context, search: Callable[[Context], Repaired]) -> Repaired:
-    """The plan with the fewest robots, by rounds that come to places several times or by the usual search.
-
-    Where rounds that come to each place once are as good, the usual search finds shorter ones: it leads robots no
-    farther into zones than they must go.
-    """
-    teams = teams_for_targets(context)
-    if teams:
-        context = with_best_bound(context)
-    if not teams or teams[0].is_plain:
-        best = search(context)
-        return first_met(context, [team for team in teams if team.robots < best.robots or not best.met]) or best
-    found = first_met(context, teams)
-    if found is not None and found.robots <= context.enough_robots:
-        return found
-    best = search(context)
-    return best if found is None or (best.met and best.robots <= found.robots) else found
-
-
 def first_met(context: Context, teams: Sequence[Team]) -> Repaired | None:
     """The first plan of the teams that passes."""
     for team in teams:
-        found = plan_for_team(context, team)
+        found = judge_tours(context, tours_of(context.problem, team))
         if found.met:
             return found
     return None
