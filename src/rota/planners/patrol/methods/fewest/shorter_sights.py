@@ -14,7 +14,6 @@ from rota.model.mission import DiscSensor, Mission
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.methods.fewest.longer_headways import on_other_terms
 from rota.planners.patrol.methods.fewest.search import reduce_team
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
@@ -42,7 +41,7 @@ def with_shorter_sights(context: Context, best: Repaired) -> Repaired:
         own = replace(context, problem=replace(problem, mission=context.problem.mission))
         found = reduce_team(own, sweep(own, EARLY))
         if found.met and not (best.met and best.robots <= found.robots):
-            best = on_other_terms(found, problem, context.problem)
+            best = replace(found, tours=[replace(tour, robot=context.problem.robot) for tour in found.tours])
         share /= 2
     return best
 
