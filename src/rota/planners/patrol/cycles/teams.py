@@ -24,18 +24,20 @@ SHORTER = (
 class Share(NamedTuple):
     """What some robots do: the order (m,) of places in a round, which they share at equal headways.
 
-    round_s: what it takes. headway_s: the most that they may be apart. is_plain: it comes to each place once.
+    round_s: what it takes. headway_s: the most that they may be apart. times_s (m,): when the robot is at each place,
+    if it keeps in step with others, after the beginning of a round of all of them.
     """
 
     order: Ints
     robots: int
     round_s: float
     headway_s: float
+    times_s: Floats | None = None
 
     @property
     def is_plain(self) -> bool:
-        """Whether the round comes to each place once."""
-        return len(np.unique(self.order)) == len(self.order)
+        """Whether the round comes to each place once, whenever others do."""
+        return self.times_s is None and len(np.unique(self.order)) == len(self.order)
 
 
 def share_places(leg_s: Floats, period_s: Floats, *, most_states: int, rounds: int, seed: int) -> list[Share]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -53,17 +54,17 @@ def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> TimedLine:
     Speeds change and turns are made in no time. The timetable begins the pace's lead into the first round.
     """
     speed_m_s = robot.ground_speed_m_s * SLOWER
-    round_s = pace.round_m / speed_m_s
+    rounds_s = [round_m / speed_m_s for round_m in pace.rounds_m]
     times_s, places = [np.zeros(1)], [vertices_m[:1]]
-    for k, vertices in enumerate(np.split(vertices_m, pace.first[1:])):
-        ring = timeable(vertices)
-        ends = np.roll(ring, -1, axis=0)
-        arrives_s = np.cumsum(np.hypot(*(ends - ring).T)) / speed_m_s
+    parts = [timeable(vertices) for vertices in np.split(vertices_m, pace.first[1:])]
+    for k, (part, round_s) in enumerate(zip(parts, rounds_s, strict=True)):
+        ends = np.vstack([part[1:], parts[(k + 1) % len(parts)][:1]])
+        arrives_s = np.cumsum(np.hypot(*(ends - part).T)) / speed_m_s
         if round_s - arrives_s[-1] > SHORTEST_S:
             arrives_s, ends = np.append(arrives_s, round_s), np.vstack([ends, ends[-1:]])
         arrives_s[-1] = round_s
         keep = arrives_s > 0
-        times_s.append(k * round_s + arrives_s[keep])
+        times_s.append(math.fsum(rounds_s[:k]) + arrives_s[keep])
         places.append(ends[keep])
     return start_at(steady(np.concatenate(times_s), np.vstack(places)), pace.lead_m / speed_m_s)
 

@@ -19,14 +19,15 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True)
 class Pace:
-    """How a robot keeps step with others that go round the same hub.
+    """How a robot keeps step with others that come to the same places.
 
-    first: the vertices at which its rounds begin. round_m: metres that it could travel in the time of each round; it
-    waits where a round is shorter. lead_m: by how much, in such metres, it is past the beginning of the first.
+    first: the vertices at which its rounds begin. rounds_m: metres that it could travel in the time of each round,
+    which ends where the next one begins; it waits where a round is shorter. lead_m: by how much, in such metres, it is
+    past the beginning of the first.
     """
 
     first: tuple[int, ...]
-    round_m: float
+    rounds_m: tuple[float, ...]
     lead_m: float
 
 
@@ -188,5 +189,5 @@ def in_step(tours: Sequence[Tour], hub: int, petals: Sequence[int]) -> Iterator[
             robots=1,
             period_s=min(tours[k].period_s for k in petals),
             nest=-1,
-            pace=Pace(first=tuple(int(v) for v in first), round_m=round_m, lead_m=-i * round_m / robots),
+            pace=Pace(first=tuple(map(int, first)), rounds_m=(round_m,) * each, lead_m=-i * round_m / robots),
         )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.ground.targets import targets_of
 from rota.planners.patrol.methods.cycles.beside_ground import with_places_apart
-from rota.planners.patrol.methods.cycles.search import first_met, meet_all, teams_for
+from rota.planners.patrol.methods.cycles.search import first_met, meet_all, teams_for, teams_in_step
 from rota.planners.patrol.repair.repair import Repaired
 
 Search = Callable[[Context], Repaired]
@@ -26,6 +26,7 @@ def fewest_for_targets(context: Context, search: Search) -> Repaired:
     if not teams:
         return search(context)
     context = with_best_bound(context)
+    teams = [*teams_in_step(context, teams, context.enough_robots), *teams]
     if teams[0].is_plain:
         best = search(context)
         return first_met(context, [team for team in teams if team.robots < best.robots or not best.met]) or best

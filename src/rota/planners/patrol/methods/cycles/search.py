@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.cycles.in_step import with_one_less
 from rota.planners.patrol.cycles.teams import Share, share_places
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.extra_points import no_points
@@ -17,11 +18,12 @@ from rota.planners.patrol.ground.targets import Targets, draw_together, targets_
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tolerances import SLOWER
-from rota.planners.patrol.tours.tour import Tour
+from rota.planners.patrol.tours.tour import Pace, Tour
 
 Floats = NDArray[np.float64]
 
 STATES: dict[Effort, int] = {"quick": 20_000, "normal": 100_000, "high": 400_000}  # looked at for some places
+STATES_IN_STEP = 15  # times as many, of several robots together
 ROUNDS: dict[Effort, int] = {"quick": 20, "normal": 60, "high": 200}  # in which large teams are made anew in parts
 MOST_TARGETS = 100
 AT_CORNERS = (0.0, 0.5, 1.0)  # of what turning round at both ends of each leg takes: what corners are taken to cost
@@ -84,6 +86,23 @@ def teams_for_places(context: Context, targets: Targets) -> list[Team]:
     return teams
 
 
+def teams_in_step(context: Context, teams: Sequence[Team], enough: int) -> list[Team]:
+    """The first team with fewer robots, no less than ``enough``, that share places in step; none where none was found.
+
+    Robots that take time at corners keep no step.
+    """
+    if not teams or teams[0].robots <= enough or context.should_stop():
+        return []
+    targets = teams[0].targets
+    straight_s, turning_s = leg_times(context.problem, targets)
+    if not np.array_equal(straight_s, turning_s):
+        return []
+    most_states = STATES_IN_STEP * STATES[PatrolSettings.of(context.problem.mission).effort]
+    shares = with_one_less(teams[0].shares, straight_s, targets.period_s, most_states=most_states, enough=enough)
+    team = Team(targets=targets, shares=shares)
+    return [team] if team.robots < teams[0].robots else []
+
+
 def leg_times(problem: Problem, targets: Targets) -> tuple[Floats, Floats]:
     """Seconds (n, n) from place to place, without and with turning round at both ends; inf where there is no way."""
     driving, places_m = driving_of(problem.robot), targets.places_m
@@ -127,14 +146,25 @@ def judge_tours(context: Context, tours: list[Tour]) -> Repaired:
 def tour_of(problem: Problem, targets: Targets, share: Share) -> Tour:
     """The round as a tour: its period is how far apart robots may come by at all places alike."""
     places_m = targets.places_m[share.order]
-    line_m = places_m
+    lines_m = [places_m]
     if len(places_m) > 1:
-        line_m = problem.paths.paths_along(np.vstack([places_m, places_m[:1]]))[:-1]
+        ends_m = np.roll(places_m, -1, axis=0)
+        lines_m = [problem.paths.path(a, b)[:-1] for a, b in zip(places_m, ends_m, strict=True)]
     return Tour(
-        vertices_m=line_m, period_class=int(targets.period_class[share.order].min()), period_s=share.headway_s,
-        robots=share.robots, robot=problem.robot, component=int(targets.component[share.order[0]]),
-        revisits=not share.is_plain,
+        vertices_m=np.vstack(lines_m), period_class=int(targets.period_class[share.order].min()),
+        period_s=share.headway_s, robots=share.robots, robot=problem.robot,
+        component=int(targets.component[share.order[0]]), revisits=not share.is_plain,
+        pace=None if share.times_s is None else pace_of(problem, share, [len(line_m) for line_m in lines_m]),
     )  # fmt: skip
+
+
+def pace_of(problem: Problem, share: Share, lengths: Sequence[int]) -> Pace:
+    """When the robot is at each place; lengths (m,): how many vertices there are from each place to the next."""
+    assert share.times_s is not None
+    per_s = problem.robot.ground_speed_m_s * SLOWER
+    first = np.cumsum([0, *lengths[:-1]]).tolist()
+    rounds_m = per_s * np.diff(np.append(share.times_s, share.times_s[0] + share.round_s))
+    return Pace(first=tuple(first), rounds_m=tuple(rounds_m.tolist()), lead_m=-per_s * float(share.times_s[0]))
 
 
 def first_met(context: Context, teams: Sequence[Team]) -> Repaired | None:

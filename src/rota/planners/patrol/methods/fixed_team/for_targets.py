@@ -7,7 +7,7 @@ from dataclasses import replace
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import stretch_periods
-from rota.planners.patrol.methods.cycles.search import Team as Visiting, first_met, teams_for_all
+from rota.planners.patrol.methods.cycles.search import Team as Visiting, first_met, teams_for_all, teams_in_step
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.whole_team import with_whole_team
 
@@ -21,7 +21,9 @@ def plan_for_targets(context: Context, anyone: Context, team: Team, *, plain: bo
     anyone: the search without the fleet's own robots. plain: whether it is also tried where rounds that come to each
     place once need no more robots: the usual search brings those to lower ratios.
     """
-    teams = [visiting for visiting in teams_for_all(anyone) if visiting.robots <= team.robots]
+    teams = teams_for_all(anyone)
+    teams = [*teams_in_step(anyone, teams, team.robots), *teams]
+    teams = [visiting for visiting in teams if visiting.robots <= team.robots]
     if not teams or (teams[0].is_plain and not plain):
         return None
     for candidates in (with_least_stretch(anyone, teams, team.robots), teams):
