@@ -71,9 +71,7 @@ QUICK = SearchSettings(
         near_budget_limit=0.006,
         retry_limit=0.02,
     ),
-    repair=RepairSettings(
-        rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=75_000
-    ),
+    repair=RepairSettings(rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005),
     fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1, piece_moves=300),
@@ -96,9 +94,7 @@ NORMAL = SearchSettings(
         bent_over_budget_limit=0.005,
         near_budget_limit=0.006,
     ),
-    repair=RepairSettings(
-        rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=300_000
-    ),
+    repair=RepairSettings(rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005),
     fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05, piece_moves=1_200),
@@ -126,9 +122,7 @@ HIGH = SearchSettings(
         bent_over_budget_limit=math.inf,
         near_budget_limit=0.002,
     ),
-    repair=RepairSettings(
-        rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002, tightening_moves=600_000
-    ),
+    repair=RepairSettings(rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002),
     fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01),
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0, piece_moves=4_800),

@@ -85,7 +85,6 @@ class ShorteningSettings:
     most_work: moves of all attempts together, rounds of repair counted as moves. Counted and not timed, so that the
         same seed gives the same plan on any machine. An attempt that would take more is left out.
     round_moves: what a round of repair counts, for each reach of ideal loop.
-    largest: ground of more reaches of ideal loop than this is left as it is.
     bending, bending_steps: linear programs of the repair, for which every metre counts; how many in one round.
     """
 
@@ -96,6 +95,5 @@ class ShorteningSettings:
     round_moves: int = 200
     coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
     fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.5, most_samples=150_000)
-    largest: float = 2_000.0
     bending_steps: int = 4
     bending: BendingSettings = BendingSettings(length_weight=1.0, move_weight=0.02, range_weight=20.0, least_gain=1e-4)

@@ -46,7 +46,6 @@ class DistrictSettings:
     many_robots: ground for so many robots at least, by the bound, is large.
     large_from: ground of a larger area, in squares of the reach, is large.
     most_area: of a district that is searched by itself, in squares of the reach.
-    margin: reaches round a district in which its robots may go.
     built_up_corner: ground of at most so many squares of the reach for each corner is built-up, and planned in pieces.
     piece_area: of a piece of built-up ground, in squares of the reach.
     """
@@ -56,6 +55,5 @@ class DistrictSettings:
     many_robots: int = 24
     large_from: float = 4_000.0
     most_area: float = 8_000.0
-    margin: float = 4.0
     built_up_corner: float = 100.0
     piece_area: float = 1_500.0

@@ -171,14 +171,12 @@ class RepairSettings:
     roomy_bend_growth: by which that of others grows in every round, as a share of the range margin; that of tight tours
         grows by 3 % of it.
     bending_steps: linear programs of one round.
-    tightening_moves: random moves that shorten them.
     """
 
     rounds: int
     over_budget_limit: float
     tight_range_margin: float
     tight_bend: float
-    tightening_moves: int
     roomy_bend: float = 0.02
     roomy_bend_growth: float = 0.25
     bending_steps: int = 25

@@ -6,6 +6,7 @@ run of samples is counted by a few operations on whole words, and so is the ques
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,15 @@ from rota.planners.patrol.ground.sample_kernels import Index, Samples
 
 WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of them
 NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
-# places in a row of Tours.times_seen: the lowest digits, then which samples have any of the digits that follow
-ONES, TWOS, FOURS, MORE = (Index(place) for place in range(4))
+
+
+class Digit(IntEnum):
+    """Places in a row of Tours.times_seen: the lowest digits, then which samples have any of the digits that follow."""
+
+    ONES = 0
+    TWOS = 1
+    FOURS = 2
+    MORE = 3
 
 
 def words_for(samples: int, legs: int) -> tuple[int, int]:
@@ -52,16 +60,16 @@ def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
         first, end = Index(runs[j]), Index(runs[j + ONE])
         for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
             bits = within(first, end, word)
-            ones, twos, fours = digits[word, ONES], digits[word, TWOS], digits[word, FOURS]
+            ones, twos, fours = digits[word, Digit.ONES], digits[word, Digit.TWOS], digits[word, Digit.FOURS]
             to_twos = bits & (ones ^ down)
             to_fours = to_twos & (twos ^ down)
             further = to_fours & (fours ^ down)
-            before = ones | twos | fours | digits[word, MORE]
+            before = ones | twos | fours | digits[word, Digit.MORE]
             ones, twos, fours = ones ^ bits, twos ^ to_twos, fours ^ to_fours
-            digits[word, ONES], digits[word, TWOS], digits[word, FOURS] = ones, twos, fours
+            digits[word, Digit.ONES], digits[word, Digit.TWOS], digits[word, Digit.FOURS] = ones, twos, fours
             if further != NONE:
                 carry_further(further, down, word, digits)
-            turned = bits & ~(before if step > 0 else ones | twos | fours | digits[word, MORE])
+            turned = bits & ~(before if step > 0 else ones | twos | fours | digits[word, Digit.MORE])
             if turned != NONE:
                 turn_seen(turned, word << WORD, step, s, t)
 
@@ -70,12 +78,12 @@ def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
 def carry_further(carried: Any, down: Any, word: Any, digits: Any) -> None:
     """Carry to the digits of eight and more, or borrow from them (``down``: all bits); few samples have any."""
     more = NONE
-    for digit in range(MORE + ONE, Index(digits.shape[1])):
+    for digit in range(Index(Digit.MORE) + ONE, Index(digits.shape[1])):
         now = digits[word, digit]
         digits[word, digit] = now ^ carried
         carried &= now ^ down
         more |= digits[word, digit]
-    digits[word, MORE] = more
+    digits[word, Digit.MORE] = more
 
 
 @noinline
@@ -102,5 +110,5 @@ def turn_seen(turned: Any, first: Any, step: int, s: Samples, t: Tours) -> None:
 @always_inline
 def bits_seen_once(first: Any, end: Any, word: Any, digits: Any) -> Any:
     """Those of the samples from ``first`` to before ``end`` in this word that one leg sees, as the bits of a number."""
-    more = digits[word, TWOS] | digits[word, FOURS] | digits[word, MORE]
-    return within(first, end, word) & digits[word, ONES] & ~more
+    more = digits[word, Digit.TWOS] | digits[word, Digit.FOURS] | digits[word, Digit.MORE]
+    return within(first, end, word) & digits[word, Digit.ONES] & ~more

@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 HAIR = 5e-4  # of the reach: ground beyond it that is not as wide is rounding of arcs
 LOOKS = 300  # squares that are looked at for what walls hide: for a guess
-CLOSE_LOOKS, ROUNDS = 1_000, 1  # for a figure, and rounds in which the edge of that is looked at more closely
+CLOSE_LOOKS = 1_000  # for a figure
 UNSURE = 0.6  # of what is allowed: a guess below it will do
 MOST_TOLD = 5  # places
 FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
@@ -52,7 +52,7 @@ def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...],
             return
         if far.area + hidden_ground(hidable, sight, LOOKS).m2 <= UNSURE * allowed_m2:
             return
-    found = _both(far, hidden_ground(hidable, sight, CLOSE_LOOKS, ROUNDS))
+    found = _both(far, hidden_ground(hidable, sight, CLOSE_LOOKS, closely=True))
     if is_refused or found.m2 > allowed_m2:
         raise NoPlanFound(_refusal(mission, found, asked.area))
 
@@ -78,18 +78,18 @@ def out_of_range(asked: BaseGeometry, near: BaseGeometry, sight: Sight) -> BaseG
     return shapely.union_all([part for part in parts if not part.buffer(-hair_m).is_empty])
 
 
-def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, rounds: int = 0) -> Unseeable:
+def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, *, closely: bool = False) -> Unseeable:
     """What walls hide from all places where robots can be, of ground that they may hide.
 
     looks: squares into which the ground is cut, about. What lies in one falls into pieces that are joined; a piece is
-    hidden if a place on it is. rounds: so many times those at the edge of what is hidden are cut into four.
+    hidden if a place on it is. closely: those at the edge of what is hidden are cut into four.
     """
     shapes: list[BaseGeometry] = []
     m2 = 0.0
     pieces, boxes = _cut_up(hidable, float(np.sqrt(hidable.area / looks)))
-    for turn in range(rounds + 1):
+    for cuts in (True, False) if closely else (False,):
         hidden = _are_hidden(pieces, sight)
-        at_edge = _beside_others(boxes, hidden) if turn < rounds else np.zeros(len(boxes), dtype=np.bool_)
+        at_edge = _beside_others(boxes, hidden) if cuts else np.zeros(len(boxes), dtype=np.bool_)
         shapes += list(pieces[hidden & ~at_edge])
         m2 += float(shapely.area(pieces[hidden & ~at_edge]).sum())
         pieces, boxes = _quarter(pieces[at_edge], boxes[at_edge])
@@ -108,7 +108,7 @@ def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> NDArray[np.bool_]:
 def unseeable_ground(asked: BaseGeometry, sight: Sight) -> Unseeable:
     """What nobody sees of the ground that is asked for: all that is out of range, and what walls hide."""
     near = area_in_range(sight.space, sight.robot, 0.0)
-    hidden = hidden_ground(_hidable(asked, near, sight), sight, CLOSE_LOOKS, ROUNDS)
+    hidden = hidden_ground(_hidable(asked, near, sight), sight, CLOSE_LOOKS, closely=True)
     return _both(out_of_range(asked, near, sight), hidden)
 
 

@@ -310,6 +310,6 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
     weighty = samples._replace(weight=20 * samples.weight)
     search = annealing_of(context, tours, weighty, length_weight=1.0, seed=seed, reserve=0.01)
     heat_m = context.problem.reach_m / 1000
-    moves = context.settings.repair.tightening_moves
+    moves = context.settings.alternation.moves // 2
     search.run(moves, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
     return search.tours

@@ -11,6 +11,7 @@ the arc itself fits into its corners.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -19,15 +20,23 @@ from numpy.typing import NDArray
 from rota.compiled.kernel import kernel
 from rota.geometry.kernels import segment_is_free
 
-LEFT, STRAIGHT, RIGHT = 1, 0, -1
+
+class Side(IntEnum):
+    """Whither a piece of a path turns."""
+
+    LEFT = 1
+    STRAIGHT = 0
+    RIGHT = -1
+
+
 WORDS = np.array(  # the pieces of each word
     [
-        [LEFT, STRAIGHT, LEFT],
-        [RIGHT, STRAIGHT, RIGHT],
-        [LEFT, STRAIGHT, RIGHT],
-        [RIGHT, STRAIGHT, LEFT],
-        [RIGHT, LEFT, RIGHT],
-        [LEFT, RIGHT, LEFT],
+        [Side.LEFT, Side.STRAIGHT, Side.LEFT],
+        [Side.RIGHT, Side.STRAIGHT, Side.RIGHT],
+        [Side.LEFT, Side.STRAIGHT, Side.RIGHT],
+        [Side.RIGHT, Side.STRAIGHT, Side.LEFT],
+        [Side.RIGHT, Side.LEFT, Side.RIGHT],
+        [Side.LEFT, Side.RIGHT, Side.LEFT],
     ]
 )
 STEP_RAD = math.pi / 16  # at most this much is turned at a corner of an arc
@@ -108,7 +117,7 @@ def word_corners(word, x, y, heading, pieces, radius_m, corners):
     k = 0
     for piece in range(3):
         side = WORDS[word, piece]
-        if side == STRAIGHT:
+        if side == Side.STRAIGHT:
             x += radius_m * pieces[piece] * math.cos(heading)
             y += radius_m * pieces[piece] * math.sin(heading)
             continue
@@ -152,7 +161,7 @@ def _length_m(word, pieces, radius_m):
     total = 0.0
     for piece in range(3):
         turned = pieces[piece]
-        if WORDS[word, piece] != STRAIGHT and turned > NO_TURN_RAD:
+        if WORDS[word, piece] != Side.STRAIGHT and turned > NO_TURN_RAD:
             steps = math.ceil(turned / STEP_RAD)
             turned = 2 * steps * math.tan(turned / steps / 2)
         total += turned

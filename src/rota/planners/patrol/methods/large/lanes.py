@@ -42,7 +42,7 @@ ROWS_WORTH = 1.25  # multiples of the robots that perfect lanes take up to which
 ROWS_ENOUGH = 1.1  # up to which boxes are not tried after them: they seldom come below
 LAYING = 3  # times that rows are laid, for lengths that loops came to
 HEADROOM = 2e-3  # share of the budgets that rows laid anew leave besides
-AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
+AROUND = 4.0  # reaches beyond a district's bounds in which its robots may go
 
 
 def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:

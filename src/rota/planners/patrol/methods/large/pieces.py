@@ -27,7 +27,7 @@ from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
 from rota.planners.patrol.methods.large.districts import by_districts
-from rota.planners.patrol.methods.large.lanes import MOST_SHARING
+from rota.planners.patrol.methods.large.lanes import AROUND, MOST_SHARING
 from rota.planners.patrol.methods.sweeping.search import judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -60,9 +60,7 @@ def in_pieces(context: Context) -> Repaired:
     """
     problem, settings = context.problem, context.settings
     count = boxes_for(problem.asked_m2, settings.districts.piece_area * problem.reach_m**2)
-    missions = missions_of(
-        problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m, where_robots_come(problem)
-    )
+    missions = missions_of(problem.mission, count, AROUND * problem.robot.sensor.reach_m, where_robots_come(problem))
     pieces = by_districts(context, short_tours, missions)
     if context.should_stop():
         raise NoPlanFound("the search was stopped before there were tours over all of the ground")

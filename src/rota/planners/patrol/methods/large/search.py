@@ -16,7 +16,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
 from rota.planners.patrol.methods.large.districts import by_districts, join
-from rota.planners.patrol.methods.large.lanes import in_districts
+from rota.planners.patrol.methods.large.lanes import AROUND, in_districts
 from rota.planners.patrol.methods.large.pieces import in_pieces, is_built_up
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sweeping.search import judge_by_lanes, sweep_with_fewest_robots
@@ -71,9 +71,7 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     count = max(count, math.ceil(context.bound.robots / 10))  # so many share one district
     if count == 1:
         return better(lanes, search(context))
-    missions = missions_of(
-        problem.mission, count, settings.margin * problem.robot.sensor.reach_m, where_robots_come(problem)
-    )
+    missions = missions_of(problem.mission, count, AROUND * problem.robot.sensor.reach_m, where_robots_come(problem))
     if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= lanes.robots:
         return lanes  # each district takes whole robots
     districts = by_districts(context, search, missions)

@@ -14,11 +14,11 @@ from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED
 
 Floats = NDArray[np.float64]
 
 CUT_PLACES = 240  # along a loop
-MOST_CUTS = 4  # of one loop: the ones that leave most of the budgets
 MOST_BRANCHES = 2  # cuts of one loop whose pieces are cut further
 MOST_ROBOTS_MORE = 3  # than a loop has: with which it is cut
 LEAST_CUT_SPACING = 0.08  # of a loop: of cuts nearer to each other one is tried
@@ -49,7 +49,7 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
     order = np.argsort(fullest[np.arange(len(i)), best], kind="stable")
     taken: list[tuple[float, float]] = []
     for k in order:
-        if len(taken) == MOST_CUTS or fullest[k, best[k]] > 1:
+        if len(taken) == FEW_TRIED or fullest[k, best[k]] > 1:
             return
         ends = (along[i[k]] / length_m, along[j[k]] / length_m)
         if any(max(abs(ends[0] - a), abs(ends[1] - b)) < LEAST_CUT_SPACING for a, b in taken):

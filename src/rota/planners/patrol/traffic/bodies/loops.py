@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_DIVISIONS = 12  # the common unit of all headways is at least this part of the shortest
-MOST_CLOCKS = 4  # that are tried
+FEW_TRIED = 4  # clocks, cuts of a loop, places to begin it, or robots that may step aside: the most promising
 MOST_PAIRS = 4_000_000  # of near places on two loops
 
 
@@ -132,7 +132,7 @@ def clocks(loops: Sequence[Loop]) -> list[Clock]:
             if all(loops[k].robots * multiples[k] * unit_s >= loops[k].natural_s for k in moving):
                 headways = tuple(round(m * unit_s, 9) for m in multiples)
                 by_headways.setdefault(headways, Clock(multiples, unit_s))
-    return sorted(by_headways.values(), key=lambda clock: -freedom_s(clock, moving))[:MOST_CLOCKS]
+    return sorted(by_headways.values(), key=lambda clock: -freedom_s(clock, moving))[:FEW_TRIED]
 
 
 def freedom_s(clock: Clock, moving: Sequence[int]) -> float:

@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.timetable import evenly_spaced, line_of
 from rota.planners.patrol.tours.tour import Tour
-from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, loop_of
+from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED, Loop, Timed, clocks, crowds, loop_of
 from rota.planners.patrol.traffic.bodies.phases import phases_apart, phases_hardly_touching
 from rota.planners.patrol.traffic.bodies.stepping_aside import round_between, waiting_place
 from rota.planners.patrol.traffic.bodies.waits import waits_apart
 
 Floats = NDArray[np.float64]
-
-ASIDE_TRIES = 4  # robots that may step aside for all others are tried one after another, so many of them
 
 
 def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[TimedLine]:
@@ -76,7 +74,7 @@ def at_full_speed(loop: Loop) -> Timed:
     return Timed(loop.line, 0.0)
 
 
-def time_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = ASIDE_TRIES) -> list[Timed] | None:
+def time_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = FEW_TRIED) -> list[Timed] | None:
     """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None.
 
     Robots in pockets that step aside for others are timed after these. aside_tries: so many of them are tried.

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.tours.timetable import stretch_line
 from rota.planners.patrol.traffic.bodies import kernels
-from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
+from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED, Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sample
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,6 @@ Bytes = NDArray[np.uint8]
 MOST_SAMPLES = 2_000  # moments of one round
 MOST_STARTS = 24  # moments at which a round is begun, for one direction and one first place
 MOST_SHARED_STARTS = 8  # the same for robots that share a loop
-MOST_BASES = 4  # places at which the round of such robots is begun
 
 
 class Placed(NamedTuple):
@@ -177,7 +176,7 @@ def bases(blocked: Bytes, robots: int) -> list[int]:
         return [int(np.argmin(busy))]
     between = len(busy) // robots
     busy = busy.reshape(robots, between).sum(axis=0)
-    chosen = np.unique(np.linspace(0, between, MOST_BASES, endpoint=False).astype(np.int64))
+    chosen = np.unique(np.linspace(0, between, FEW_TRIED, endpoint=False).astype(np.int64))
     return [int(base) for base in chosen[np.argsort(busy[chosen], kind="stable")]]
 
 
