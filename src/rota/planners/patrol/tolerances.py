@@ -12,6 +12,7 @@ SLOWER = 1 - ROUNDING  # of full speed, so that rounding of times never shows as
 HAIR_M = 1e-6  # shorter legs, which times tell with too few digits, and gaps, slivers and differences are none
 SLIVER_M2 = 1e-6  # ground with less area is what rounding leaves of cuts
 ON_LINE_M = 1e-7  # a place so near to a wall, a border or a route lies on it
+INSIDE_M = 1e-8  # a place so far inside of a border is surely inside, give or take rounding
 SAME_PLACE_M = 1e-9  # places so near to each other are one, but for rounding
 STRAIGHT = 1e-6  # sine of half an angle below which a vertex is no corner
 OFF_M = 0.05  # that legs may be off a motion that keeps the limits, as the check allows

@@ -21,9 +21,7 @@ from collections.abc import Sequence
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
-
-ROUNDING = 1e-9  # a rate counts as less by this, so that rounding of areas never raises the bound past the truth
-ROBOTS_ROUNDING = 1e-6  # a real number of robots must exceed a whole one by this to ask for one more
+from rota.planners.patrol.tolerances import ROUNDING
 
 
 def area_rate_bound(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robot) -> int:
@@ -52,4 +50,4 @@ def rate_proof(robots: float, asked_m2_s: float, *, turns: bool = False) -> Prov
     """
     who = "a robot that stops to turn" if turns else "a robot"
     each = f", {who} sweeps {asked_m2_s / robots:.4g} at most" if robots > 0 else ""
-    return ProvedBound(robots=math.ceil(robots - ROBOTS_ROUNDING), reason=f"{asked_m2_s:.4g} m2/s are asked for{each}")
+    return ProvedBound(robots=math.ceil(robots - ROUNDING), reason=f"{asked_m2_s:.4g} m2/s are asked for{each}")

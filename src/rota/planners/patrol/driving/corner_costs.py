@@ -13,8 +13,6 @@ from rota.model.mission import Robot
 
 Floats = NDArray[np.float64]
 
-LANES = 4  # that stand for many
-LANE_REACHES = 10.0  # the lanes whose metres cost a metre each
 LONGEST_REACHES = 6.5  # the longest leg of a table: a little more than a search has
 
 
@@ -43,9 +41,9 @@ def pace_on_lanes(timing: Timing, lane_m: float | None = None) -> float:
     lane_m: how long the lanes are; None: ten reaches.
     """
     swath_m = 2 * timing.robot.sensor.reach_m
-    lane_m = LANE_REACHES / 2 * swath_m if lane_m is None else lane_m
-    ends = np.tile([[0.0, 0.0], [lane_m, 0.0], [lane_m, swath_m], [0.0, swath_m]], (LANES, 1))
-    ends[:, 1] += np.repeat(np.arange(LANES), 4) * 2 * swath_m
+    lane_m = 5 * swath_m if lane_m is None else lane_m
+    ends = np.tile([[0.0, 0.0], [lane_m, 0.0], [lane_m, swath_m], [0.0, swath_m]], (4, 1))  # four stand for many
+    ends[:, 1] += np.repeat(np.arange(4), 4) * 2 * swath_m
     legs_m = np.hypot(*(np.roll(ends, -1, axis=0) - ends).T)
     return timing.pace_m_s * float(legs_m.sum()) / timing.round_m(ends)
 

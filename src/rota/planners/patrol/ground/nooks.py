@@ -8,8 +8,7 @@ from rota.geometry.free_space import nooks
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
-
-INSET_M = 1e-8  # off the walls: on them, give or take rounding
+from rota.planners.patrol.tolerances import INSIDE_M
 
 
 def nooks_of(problem: Problem) -> SamplePoints:
@@ -17,7 +16,7 @@ def nooks_of(problem: Problem) -> SamplePoints:
     found = [no_points()]
     for i, region in enumerate(problem.regions):
         if region.demand == "every_point":
-            xy_m = nooks(region.shape, INSET_M)
+            xy_m = nooks(region.shape, INSIDE_M)
             inside = shapely.contains_xy(region.shape, xy_m)
             found.append(points_of(xy_m[inside], problem.spacing_m**2, problem.region_class[i], i))
     return join(found)

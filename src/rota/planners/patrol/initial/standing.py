@@ -17,8 +17,6 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 MOST_TRAVEL = 1.0  # of the reach: robots stand where no more than this can be travelled in a period
-MOVES_EACH, MOST_MOVES = 4_000, 400_000
-BUDGET_PENALTY = 4.0  # of a metre over budget, times what a robot moves more than that
 
 
 def robots_stand(problem: Problem, period_s: float) -> bool:
@@ -63,11 +61,11 @@ def move_until_all_is_seen(problem: Problem, tours: list[Tour], wanted: Flags) -
         samples._replace(weight=problem.reach_m * weight),
         problem.paths.grid,
         length_weight=np.full(len(tours), 1e-3),
-        budget_penalty=budget_penalties(tours, BUDGET_PENALTY * len(points)),
+        budget_penalty=budget_penalties(tours, 4.0 * len(points)),
         seed=len(tours),
         range_margin_m=problem.range_margin_m,
     )
-    moves = min(MOST_MOVES, MOVES_EACH * len(tours))
+    moves = min(400_000, 4_000 * len(tours))  # so many for each robot
     search.run(moves, hot_m=4 * problem.reach_m, cold_m=0.05 * problem.reach_m, should_stop=lambda: False)
     if search.unseen or search.over_budget_share > 0:
         return None

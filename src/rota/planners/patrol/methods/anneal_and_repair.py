@@ -15,8 +15,6 @@ from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import AlternationSettings, Stage
 from rota.planners.patrol.tours.tour import Tour, excesses
 
-SEEDS_APART = 10  # the annealings of one attempt take seeds of their own
-
 
 def anneal_and_repair(context: Context, search: Annealed, *, seed: int) -> Iterator[Repaired | None]:
     """After every repair None, or at last the plan that the judge passed within the budgets.
@@ -27,7 +25,7 @@ def anneal_and_repair(context: Context, search: Annealed, *, seed: int) -> Itera
     least_excess = math.inf
     attempts = 1 if context.problem.robot.motion.has_mass else settings.attempts  # a second one passes too rarely
     for attempt in range(attempts):
-        excess = yield from attempt_with_seed(context, search, seed=seed + SEEDS_APART * attempt)
+        excess = yield from attempt_with_seed(context, search, seed=seed + 10 * attempt)
         least_excess = min(excess, least_excess)
         if math.isinf(excess) or least_excess > settings.retry_limit or context.should_stop():
             return

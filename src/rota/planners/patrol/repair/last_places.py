@@ -18,14 +18,13 @@ from rota.planners.patrol.ground.samples import SamplePoints, lay_out
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoints import place_that_sees, what_places_see
-from rota.planners.patrol.tolerances import SAME_PLACE_M
+from rota.planners.patrol.tolerances import INSIDE_M, SAME_PLACE_M
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
-OFF_BORDER_M = 1e-8  # a place so far inside is surely inside
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
 HALVINGS = 6  # of that way, where something stands in it
@@ -125,7 +124,7 @@ def border_along(problem: Problem, begin_m: Floats, way_m: Floats, share: float)
             low = middle
         else:
             high = middle
-    low -= OFF_BORDER_M / float(np.hypot(*way_m)) if share < 1 else 0.0
+    low -= INSIDE_M / float(np.hypot(*way_m)) if share < 1 else 0.0
     return begin_m + low * way_m if low > 0 else None
 
 

@@ -17,7 +17,7 @@ from rota.planners.patrol.methods.large.rows import (
     MOST_LANES,
     LaneCell,
     Row,
-    RowSettings,
+    RowMeasures,
     best_rows,
     columns_for,
     columns_of,
@@ -26,7 +26,7 @@ from rota.planners.patrol.methods.large.rows import (
 from rota.planners.patrol.methods.sweeping.lanes import Swath
 
 FIVE = Swath(sensor=DiscSensor(radius_m=5), angle_rad=0.0)
-SETTINGS = RowSettings(budget_m=200.0, width_m=10.0, short_m=0.0, corner_m=0.0, sharing=16)
+SETTINGS = RowMeasures(budget_m=200.0, width_m=10.0, short_m=0.0, corner_m=0.0, sharing=16)
 
 FIELD = MultiPolygon([box(0, 0, 300, 200)])
 HOLED = MultiPolygon([box(0, 0, 300, 200).difference(Point(140, 90).buffer(35))])

@@ -12,9 +12,6 @@ from rota.planners.patrol.methods.fewest.racing import first_to_pass
 from rota.planners.patrol.methods.fewest.screening import screen
 from rota.planners.patrol.repair.repair import Repaired
 
-SCREENED, ANNEALED = 0.1, 0.4  # of the time of a try
-SEEDS_APART = 7_000_000  # of one try from those of the next
-
 
 def plan_with_team_size(
     context: Context, groupings: list[PeriodGrouping], robots: int, *, least_slack: float
@@ -27,12 +24,12 @@ def plan_with_team_size(
     candidates = allocations(context.problem, groupings, robots, settings, least_slack=least_slack)
     turns = tries(context, candidates)
     for turn in range(turns):
-        seed = context.seed + 1000 * robots + SEEDS_APART * turn
+        seed = context.seed + 1000 * robots + 7_000_000 * turn  # far from those of other tries and team sizes
         context.progress(turn / turns, f"trying {robots} robots")
         chosen = screen(context, candidates, seed=seed)
-        context.progress((turn + SCREENED) / turns, f"trying {robots} robots: annealing their tours")
+        context.progress((turn + 0.1) / turns, f"trying {robots} robots: annealing their tours")
         searches = anneal_in_full(context, chosen, seed=seed)
-        context.progress((turn + ANNEALED) / turns, f"trying {robots} robots: repairing their tours")
+        context.progress((turn + 0.4) / turns, f"trying {robots} robots: repairing their tours")
         found = first_to_pass(context, searches, seed=seed)
         if found is not None or context.should_stop():
             return found

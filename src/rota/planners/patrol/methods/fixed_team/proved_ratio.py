@@ -8,6 +8,7 @@ from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot, sweep_m2_s
 from rota.planners.patrol.bounds.turning_bound import circle_radius_m, turning_robots
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.tolerances import SURELY
 
 
 def proved_ratio(problem: Problem, robots: int) -> float:
@@ -39,7 +40,7 @@ def proved_ratio(problem: Problem, robots: int) -> float:
         return 0.0
     for _ in range(14):  # halvings, to a tenth of a thousandth
         middle = (low + high) / 2
-        if robots_needed(middle) > robots * (1 + 1e-6):
+        if robots_needed(middle) > robots * SURELY:
             low = middle
         else:
             high = middle

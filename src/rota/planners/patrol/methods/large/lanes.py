@@ -21,7 +21,7 @@ from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.large.rings import ring_over
-from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_settings
+from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_measures
 from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turn_shape, turning
 from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_itself, not_more, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
@@ -83,12 +83,12 @@ def promising_rows(problem: Problem, ground: SweepGround, budget_m: float) -> Ro
     """The rows with the fewest robots, of the directions of lanes tried."""
     laid = []
     for angle_rad in promising_angles(problem, ground.shape):
-        settings = row_settings(problem, sensing(problem, angle_rad), budget_m * (1 - ROUNDING))
-        cells = lane_cells(ground.shape, angle_rad, settings.width_m)
-        rows = [(cell, row) for cell in cells for row in best_rows(cell, settings)]
-        laid.append((sum(row.robots for _, row in rows), angle_rad, settings, rows))
-    robots, angle_rad, settings, rows = min(laid, key=lambda entry: entry[0])
-    columns = [column for cell, row in rows for column in columns_of(cell, row, settings)]
+        measures = row_measures(problem, sensing(problem, angle_rad), budget_m * (1 - ROUNDING))
+        cells = lane_cells(ground.shape, angle_rad, measures.width_m)
+        rows = [(cell, row) for cell in cells for row in best_rows(cell, measures)]
+        laid.append((sum(row.robots for _, row in rows), angle_rad, measures, rows))
+    robots, angle_rad, measures, rows = min(laid, key=lambda entry: entry[0])
+    columns = [column for cell, row in rows for column in columns_of(cell, row, measures)]
     return Rows(budget_m=budget_m, angle_rad=angle_rad, robots=robots, columns=columns)
 
 

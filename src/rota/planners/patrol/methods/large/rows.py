@@ -69,7 +69,7 @@ class Column:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RowSettings:
+class RowMeasures:
     """What the length of a row depends on. budget_m: what one robot drives in a period.
 
     width_m: of a lane at most. short_m: a lane may end so far before the ground does, at either end. corner_m: metres
@@ -91,7 +91,7 @@ class RowSettings:
         return ways_m + 2 * lanes * (self.corner_m - self.short_m)
 
 
-def row_settings(problem: Problem, swath: Swath, budget_m: float) -> RowSettings:
+def row_measures(problem: Problem, swath: Swath, budget_m: float) -> RowMeasures:
     """Rows for the mission's robot. Lanes are so much narrower than its swath that bodies stay in their columns."""
     body_m = problem.robot.body_radius_m
     apart_m = body_m + CLEAR_M if body_m > 0 else 0.0
@@ -99,7 +99,7 @@ def row_settings(problem: Problem, swath: Swath, budget_m: float) -> RowSettings
     fitting = offsets[swath.chords_m(offsets)[1] >= apart_m]
     half_m = float(fitting[0]) if len(fitting) else swath.half_m
     shares = body_m == 0 or half_m >= ROOMY * body_m
-    return RowSettings(
+    return RowMeasures(
         budget_m=budget_m,
         width_m=2 * half_m,
         short_m=float(swath.chords_m(np.array([half_m]))[1][0]),
@@ -159,7 +159,7 @@ def lane_cell(first: int, parts: list[Polygon], edges_m: Floats) -> LaneCell:
     return LaneCell(lanes=tuple(held), edges_m=own_m, left_m=bounds[:, 0], right_m=bounds[:, 2])
 
 
-def best_rows(cell: LaneCell, settings: RowSettings) -> list[Row]:
+def best_rows(cell: LaneCell, measures: RowMeasures) -> list[Row]:
     """The division of a cell's lanes into rows with the fewest robots, and of these the one with the shortest loops.
 
     Dynamic programming over the number of lanes that are done, from below.
@@ -170,8 +170,8 @@ def best_rows(cell: LaneCell, settings: RowSettings) -> list[Row]:
     last_row: list[Row | None] = [None] * (n + 1)
     for end in range(2, n + 1, 2):
         for first in range(max(0, end - MOST_LANES), end, 2):
-            columns, row_m = columns_for(float(length_m[end] - length_m[first]), end - first, settings)
-            robots = math.ceil(row_m / settings.budget_m - 1e-9)
+            columns, row_m = columns_for(float(length_m[end] - length_m[first]), end - first, measures)
+            robots = math.ceil(row_m / measures.budget_m - 1e-9)
             cost = (best[first][0] + robots, best[first][1] + row_m)
             if cost < best[end]:
                 best[end] = cost
@@ -193,27 +193,27 @@ def slants_m(cell: LaneCell) -> Floats:
     return np.asarray(1.5 * (np.hypot(left, way_m) - way_m) + 0.5 * (np.hypot(right, way_m) - way_m))
 
 
-def columns_for(lanes_m: float, lanes: int, settings: RowSettings) -> tuple[int, float]:
+def columns_for(lanes_m: float, lanes: int, measures: RowMeasures) -> tuple[int, float]:
     """The fewest columns of a row whose lanes are so long in all that no column has too many robots, and its length.
 
     With columns that would be too narrow robots become more than may share instead.
     """
     columns = 1
     while True:
-        row_m = lanes_m + columns * settings.ends_m(lanes)
-        needed = math.ceil(math.ceil(row_m / settings.budget_m - 1e-9) / settings.sharing)
-        if needed <= columns or lanes_m < lanes * needed * NARROWEST * settings.width_m:
+        row_m = lanes_m + columns * measures.ends_m(lanes)
+        needed = math.ceil(math.ceil(row_m / measures.budget_m - 1e-9) / measures.sharing)
+        if needed <= columns or lanes_m < lanes * needed * NARROWEST * measures.width_m:
             return columns, max(row_m, 1e-9)
         columns = needed
 
 
-def columns_of(cell: LaneCell, row: Row, settings: RowSettings) -> Iterator[Column]:
+def columns_of(cell: LaneCell, row: Row, measures: RowMeasures) -> Iterator[Column]:
     """The columns of a row, from left to right, as even as whole robots allow."""
     left, right = cell.left_m[row.first : row.last], cell.right_m[row.first : row.last]
     at = np.unique(np.concatenate([left, right]))
     below_m = np.clip(at[:, None] - left, 0.0, right - left).sum(axis=1)  # metres of lane to the left of there
     robots = np.array([row.robots // row.columns + (k < row.robots % row.columns) for k in range(row.columns)])
-    ends_m = settings.ends_m(row.last - row.first)
+    ends_m = measures.ends_m(row.last - row.first)
     each_m = (below_m[-1] + row.columns * ends_m) / row.robots
     cuts = np.interp(np.cumsum(robots * each_m - ends_m)[:-1], below_m, at)
     edges = np.concatenate([[at[0] - 1], cuts, [at[-1] + 1]])
