@@ -168,8 +168,8 @@ class RepairSettings:
     over_budget_limit: tours over a budget by at most this share of it are repaired further.
     tight_range_margin: share of the range margin that is kept while tight tours are bent.
     tight_bend, roomy_bend: tight tours, and others, are bent this much farther than to what they miss, in reaches.
-    roomy_bend_growth: by which that of others grows in every round, as a share of the range margin; that of tight tours
-        grows by 3 % of it.
+    tight_bend_growth: by which that grows in every round, as a share of the range margin.
+    roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
     bending_steps: linear programs of one round.
     """
 
@@ -178,6 +178,7 @@ class RepairSettings:
     tight_range_margin: float
     tight_bend: float
     roomy_bend: float = 0.02
+    tight_bend_growth: float = 0.03
     roomy_bend_growth: float = 0.25
     bending_steps: int = 25
 

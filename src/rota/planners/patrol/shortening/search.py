@@ -28,6 +28,8 @@ from rota.planners.patrol.shortening.spikes import spikes, without
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour
 
+LARGEST = 2_000  # reaches of ideal loop, beyond which ground is left as it is
+
 
 def with_better_loops(context: Context, found: Repaired) -> Repaired:
     """The plan with the loops that the mission prefers; the plan found where no better ones pass the judge.
@@ -35,12 +37,12 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     Each attempt begins with the tours found: the first ones with much heat, which gives them another shape where the
     budgets leave room for one, the last with little. Loops that became shorter so are shortened further, unless some
     are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
-    is, for no linear program closes the gaps there; and so is ground of more than 2,000 reaches of ideal loop. Loops of
-    robots with mass lose spikes alone. The larger the ground, the fewer attempts its ``most_work`` allows, and the last
-    ones take least.
+    is, for no linear program closes the gaps there; and so is ground of more than ``LARGEST`` reaches of ideal loop.
+    Loops of robots with mass lose spikes alone. The larger the ground, the fewer attempts its ``most_work`` allows, and
+    the last ones take least.
     """
     settings, problem = context.settings.shortening, context.problem
-    if not can_bend(problem) or reaches(problem) > 2_000 or any(tour.revisits for tour in found.tours):
+    if not can_bend(problem) or reaches(problem) > LARGEST or any(tour.revisits for tour in found.tours):
         return found
     fewest_turns = PatrolSettings.of(problem.mission).prefer == "fewest_turns"
     may_be_bold = not fewest_turns and not has_nests(found.tours)
