@@ -1,6 +1,6 @@
 """What each mechanism of the patrol search is worth: ``python -m benchmarks.ablation quick -o FILE``.
 
-Plans 100 random missions and the cases of Sun et al. 2019, first with all mechanisms, then without each, one at a time.
+Plans 300 random missions and the cases of Sun et al. 2019, first with all mechanisms, then without each, one at a time.
 A mission is planned again without a mechanism only if the mechanism did anything there: else the plan is the same.
 Lines of JSON go to the file as they come; what it already holds is not run again. ``--table`` prints what it holds.
 """
@@ -30,7 +30,7 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.settings import SearchSettings, Stage
 
-RANDOM_MISSIONS = 100
+RANDOM_MISSIONS = 300
 PATROL = "rota.planners.patrol"
 ALTERNATION = f"{PATROL}.methods.anneal_and_repair"
 REPAIR = f"{PATROL}.repair.repair"
@@ -71,9 +71,14 @@ def always(*_: Any) -> bool:
     return True
 
 
-def tours_as_given(_: Any, tours: Any, *__: Any, **___: Any) -> Any:
+def other_plan(result: Any, given: tuple[Any, ...]) -> bool:
+    """Whether the second argument, a plan, came back as another one."""
+    return result is not given[1]
+
+
+def second(_: Any, given: Any, *__: Any, **___: Any) -> Any:
     """The second argument."""
-    return tours
+    return given
 
 
 def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
@@ -83,9 +88,9 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 MECHANISMS = (
     Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
-    Mechanism("tightening", (f"{REPAIR}.tightened",), tours_as_given, always),
+    Mechanism("tightening", (f"{REPAIR}.tightened",), second, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),
-    Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), tours_as_given, changed),
+    Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), second, changed),
     Mechanism("detours", (f"{PATROL}.repair.seeing.visit_places",), lambda *_: None, is_there),
     Mechanism("repair of tours over their budgets", stage="repair", values={"over_budget_limit": 0.0}),
     Mechanism("nested loops", (f"{ALLOCATION}.nested_allocations",), lambda *_, **__: [], always),
@@ -117,6 +122,10 @@ MECHANISMS = (
         values={"first_stages": (Stage(1 / 16, 12.0, 0.005),)},
     ),
     Mechanism("annealings between repairs", stage="alternation", values={"annealings": 2}),
+    Mechanism("robots given up by plans found", (f"{SEARCH}.without_spare_robots",), second, other_plan),
+    Mechanism("robots that shorter loops spare", (f"{PATROL}.planner.leave_out_needless_robots",), second, other_plan),
+    Mechanism("longer headways", (f"{PATROL}.planner.with_longer_headways",), second, other_plan),
+    Mechanism("shorter sights", (f"{PATROL}.planner.with_shorter_sights",), second, other_plan),
     Mechanism("lesser efforts first", (f"{SEARCH}.EFFORTS",)),
 )
 

@@ -14,7 +14,6 @@ from rota.geometry.free_space import demanded_regions
 from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS
-from rota.planners.patrol.initial.standing import MOST_TRAVEL
 
 TO_SPARE = 0.01  # of the radius: the corners of arcs driven as straight legs lie up to 0.5 % of it outside
 LEAST_SHARE = 1e-5  # of the sensor's disc: less ground is rounding
@@ -35,7 +34,7 @@ def require_corners_in_reach(mission: Mission) -> None:
     regions = [region for region in demanded_regions(mission) if region.demand == "every_point"]
     slowest_m_s = min(robot.ground_speed_m_s for robot in robots)
     shortest_m = min((region.period_s for region in regions), default=0.0) * slowest_m_s
-    if radius_m == 0 or shortest_m <= MOST_TRAVEL * reach_m:
+    if radius_m == 0 or shortest_m <= reach_m:
         return
     hull, body_m = mission.area.convex_hull, min(robot.body_radius_m for robot in robots)
     middles = shapely.buffer(hull, -(radius_m + body_m))

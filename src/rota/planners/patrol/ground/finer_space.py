@@ -20,7 +20,6 @@ Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
 FINE_ARC_CORNERS = (128, 2048)
-PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
 GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
 CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
@@ -44,7 +43,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
             fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
             places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)
             for place_m in places_m[ranges_m <= problem.reach_m]:
-                patch = fine.intersection(shapely.Point(place_m).buffer(PATCH_RADIUS * body_m))
+                patch = fine.intersection(shapely.Point(place_m).buffer(body_m))
                 patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
             group_m = group_m[ranges_m > problem.reach_m]
             if not len(group_m):

@@ -22,7 +22,6 @@ Ints = NDArray[np.int64]
 
 STATIONS = 48  # places to a budget where a tour may be cut
 FULL = 0.94  # of its budget that a tour takes: repair leads it past more places
-STEP = 4.0  # of the distance between stations along the tour: exact ways between them
 
 
 class Cuts(NamedTuple):
@@ -71,12 +70,15 @@ def cut(problem: Problem, tour: Tour) -> list[Tour]:
 
 
 def possible_cuts(problem: Problem, tour: Tour, apart_m: float) -> Cuts:
-    """Stations about so far apart along the tour, with the lengths of all tours between two of them."""
+    """Stations about so far apart along the tour, with the lengths of all tours between two of them.
+
+    Ways back are exact between stations within four times as far.
+    """
     vertices = tour.vertices_m
     along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*(np.roll(vertices, -1, axis=0) - vertices).T))])
     stations = np.unique(np.floor(along_m[:-1] / apart_m), return_index=True)[1].astype(np.int64)
     count, at_m = len(stations), along_m[stations]
-    back_m = problem.paths.lengths_from_point_to_point(vertices[stations], STEP * apart_m)
+    back_m = problem.paths.lengths_from_point_to_point(vertices[stations], 4 * apart_m)
     last = np.arange(count)[:, None] + np.arange(count + 1)
     driven_m = at_m[last % count] + np.where(last >= count, along_m[-1], 0.0) - at_m[:, None]
     lengths_m = driven_m + back_m[np.arange(count)[:, None], last % count]

@@ -25,7 +25,6 @@ Ints = NDArray[np.int64]
 MOST_GEODESIC = 1500  # beyond as many places, their order is found with straight distances
 MOST_ORDERED = 4000  # beyond as many places, lanes are their order
 MOST_ORDERED_RAGGED = 7000  # the same among ragged walls, which lanes would cross again and again
-STEP = 4.0  # of the reach: exact ways between places on ragged ground
 DETOUR = 1.15  # length of real tours over area / swath, for choosing groups and how many robots share a hub
 
 
@@ -178,10 +177,11 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
 def distances(problem: Problem, places_m: Floats) -> Floats:
     """Distances (n, n) between places of one component: round obstacles, or straight when they are very many.
 
-    On ragged ground they are those of ways from place to place, which are found much sooner and hardly longer.
+    On ragged ground they are those of ways from place to place, exact between places within four reaches, which are
+    found much sooner and hardly longer.
     """
     if problem.is_ragged and len(places_m) <= MOST_ORDERED_RAGGED:
-        return problem.paths.lengths_from_point_to_point(places_m, STEP * problem.reach_m)
+        return problem.paths.lengths_from_point_to_point(places_m, 4 * problem.reach_m)
     if len(places_m) <= MOST_GEODESIC:
         return np.asarray(problem.paths.all_pairs(places_m))
     return np.asarray(np.hypot(*(places_m[:, None] - places_m[None]).transpose(2, 0, 1)))

@@ -16,12 +16,10 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-MOST_TRAVEL = 1.0  # of the reach: robots stand where no more than this can be travelled in a period
-
 
 def robots_stand(problem: Problem, period_s: float) -> bool:
-    """Whether a robot can hardly move within so many seconds, compared with what it sees from where it is."""
-    return problem.pace_m_s * period_s <= MOST_TRAVEL * problem.reach_m
+    """Whether a robot can hardly move within so many seconds, no farther than it sees from where it is."""
+    return problem.pace_m_s * period_s <= problem.reach_m
 
 
 def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[Tour]:
