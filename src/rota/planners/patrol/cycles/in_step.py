@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +21,23 @@ FEWEST_TOGETHER, MOST_ROBOTS = 3, 4  # robots whose shares are put together, to 
 
 
 def with_one_less(
-    shares: list[Share], leg_s: Floats, period_s: Floats, *, most_states: int, enough: int
+    shares: list[Share],
+    leg_s: Floats,
+    period_s: Floats,
+    *,
+    most_states: int,
+    enough: int,
+    should_stop: Callable[[], bool] = lambda: False,
 ) -> list[Share]:
     """The team with some of its shares put together and done by a robot less, again and again; the same where none are.
 
     leg_s (n, n), period_s (n,) as for ``share_places``. The fewest shares are put together first. It ends with
-    ``enough`` robots.
+    ``enough`` robots, or where the search is to stop.
     """
     while sum(share.robots for share in shares) > enough:
         for chosen in groups_to_join(shares):
+            if should_stop():
+                return shares
             places = np.unique(np.concatenate([shares[k].order for k in chosen]))
             robots = sum(shares[k].robots for k in chosen) - 1
             joined = serve_in_step(leg_s[np.ix_(places, places)], period_s[places], robots, most_states=most_states)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,13 +40,21 @@ class Share(NamedTuple):
         return self.times_s is None and len(np.unique(self.order)) == len(self.order)
 
 
-def share_places(leg_s: Floats, period_s: Floats, *, most_states: int, rounds: int, seed: int) -> list[Share]:
+def share_places(
+    leg_s: Floats,
+    period_s: Floats,
+    *,
+    most_states: int,
+    rounds: int,
+    seed: int,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> list[Share]:
     """The team with the fewest robots found that comes to all places (n,) for ever, each within its period.
 
     leg_s (n, n): from place to place in seconds, 0 on the diagonal and more elsewhere, inf where there is no way. With
     at most ``MOST_TOGETHER`` places it is the best of all teams in which a place belongs to one robot, or to robots
     that share a plain round, but for questions that ``most_states`` leaves open. With more, parts of the team are made
-    anew so many ``rounds``.
+    anew so many ``rounds``, unless the search is to stop.
     """
     if len(period_s) <= MOST_TOGETHER:
         return best_team(leg_s, period_s, most_states=most_states)
@@ -54,6 +62,8 @@ def share_places(leg_s: Floats, period_s: Floats, *, most_states: int, rounds: i
     groups = neighbours_together(leg_s)
     team = [share for group in groups for share in team_for(group, leg_s, period_s, most_states)]
     for _ in range(rounds):
+        if should_stop():
+            break
         chosen = some_near_each_other(team, leg_s, random)
         places = np.unique(np.concatenate([team[k].order for k in chosen]))
         anew = team_for(places, leg_s, period_s, most_states)

@@ -23,7 +23,7 @@ from rota.planners.patrol.tours.tour import Pace, Tour
 Floats = NDArray[np.float64]
 
 STATES: dict[Effort, int] = {"quick": 20_000, "normal": 100_000, "high": 400_000}  # looked at for some places
-STATES_IN_STEP = 15  # times as many, of several robots together
+STATES_IN_STEP = 50  # times as many, of several robots together
 ROUNDS: dict[Effort, int] = {"quick": 20, "normal": 60, "high": 200}  # in which large teams are made anew in parts
 MOST_TARGETS = 100
 AT_CORNERS = (0.0, 0.5, 1.0)  # of what turning round at both ends of each leg takes: what corners are taken to cost
@@ -98,7 +98,10 @@ def teams_in_step(context: Context, teams: Sequence[Team], enough: int) -> list[
     if not np.array_equal(straight_s, turning_s):
         return []
     most_states = STATES_IN_STEP * STATES[PatrolSettings.of(context.problem.mission).effort]
-    shares = with_one_less(teams[0].shares, straight_s, targets.period_s, most_states=most_states, enough=enough)
+    shares = with_one_less(
+        teams[0].shares, straight_s, targets.period_s, most_states=most_states, enough=enough,
+        should_stop=context.should_stop,
+    )  # fmt: skip
     team = Team(targets=targets, shares=shares)
     return [team] if team.robots < teams[0].robots else []
 
@@ -126,7 +129,7 @@ def best_shares(context: Context, targets: Targets, legs_s: Floats) -> list[Shar
         own = np.flatnonzero(targets.component == part)
         found = share_places(
             legs_s[np.ix_(own, own)], targets.period_s[own], most_states=STATES[effort], rounds=ROUNDS[effort],
-            seed=context.seed,
+            seed=context.seed, should_stop=context.should_stop,
         )  # fmt: skip
         shares += [share._replace(order=own[share.order]) for share in found]
     return shares
