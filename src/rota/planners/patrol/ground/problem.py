@@ -19,6 +19,7 @@ from rota.model.motion_limits import weakest
 from rota.planners.patrol.driving.corner_costs import pace_on_lanes
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.ground.fewer_corners import with_fewer_corners
 from rota.planners.patrol.ground.limits_of_sight import limit_points
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -51,10 +52,10 @@ class Problem:
     metres, the borders of what blocks sight. points: what tours are made to see, in the order of ``samples``, which are
     the same as the kernels take them. viewpoints: places from which all of them are seen. at_limit: whether some of
     them lie at the limit of sight, which is seen from the border of the space alone. range_margin_m: by how much less
-    than its reach the sensor is taken to see. spacing_m: between the points of the lattices. kept_off: parts of the
-    space, by their numbers, that were cut back from ground about a robot that stays in another part, each with that
-    ground. waits_m: of parts whose robots step aside for others, by their numbers, the places (x, y) where they wait
-    meanwhile.
+    than its reach the sensor is taken to see. lanes_overlap_m: by how much lanes do, on either side, where they are
+    bent round many small obstacles. spacing_m: between the points of the lattices. kept_off: parts of the space, by
+    their numbers, that were cut back from ground about a robot that stays in another part, each with that ground.
+    waits_m: of parts whose robots step aside for others, by their numbers, the places (x, y) where they wait meanwhile.
     """
 
     mission: Mission
@@ -70,6 +71,7 @@ class Problem:
     at_limit: bool
     range_margin_m: float
     spacing_m: float
+    lanes_overlap_m: float = 0.0
     kept_off: tuple[tuple[int, Polygon], ...] = ()
     waits_m: tuple[tuple[int, tuple[float, float]], ...] = ()
 
@@ -135,7 +137,8 @@ def set_up_problem(
     """
     robot, regions = common_robot(mission.fleet), demanded_regions(mission)
     margin_m = range_margin(inner_reach_m(robot.sensor))
-    space, sure_space, at_limit = space_for(mission, regions, robot, margin_m)
+    roomy = with_fewer_corners(mission, inner_reach_m(robot.sensor), robot.body_radius_m)
+    space, sure_space, at_limit = space_for(roomy, regions, robot, margin_m)
     require_going_on(should_stop, LAID_OUT)
     walls = sight_walls(mission)
     sure_sight = Sight(sure_space, walls, robot, 0.0)
@@ -171,6 +174,7 @@ def set_up_problem(
         points=points, samples=samples,
         viewpoints=Viewpoints(seen.places_m, paths.part_of(seen.places_m), *seen_from),
         at_limit=at_limit, range_margin_m=margin_m, spacing_m=spacing_m,
+        lanes_overlap_m=0.0 if roomy is mission else float(points.shrink_m.max(initial=0.0)),
     )  # fmt: skip
 
 

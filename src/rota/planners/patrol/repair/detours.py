@@ -20,6 +20,7 @@ from rota.planners.patrol.tours.tour import Tour, room_m
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+LONG_LEG, LEAVES = 4.0, 0.5  # reaches: of a leg so long a detour leaves the part about as near to it
 FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
 
 
@@ -95,12 +96,30 @@ def with_detour(problem: Problem, tour: Tour, i: int, way_m: Floats) -> Tour:
     before, after = vertices[i], vertices[(i + 1) % len(vertices)]
     ways = (way_m, way_m[::-1])
     way_m = min(ways, key=lambda way: float(np.hypot(*(way[0] - before)) + np.hypot(*(way[-1] - after))))
-    detour = problem.paths.paths_along(np.vstack([before, way_m, after]))[1:-1]
+    overlap = problem.lanes_overlap_m > 0  # lanes among many small obstacles: those are left near each of them alone
+    kept = left_near(before, after, way_m, problem.reach_m) if overlap else np.zeros((0, 2))
+    detour = problem.paths.paths_along(np.vstack([before, kept[:1], way_m, kept[1:], after]))[1:-1]
     # a timetable keeps but one of places so near each other; slivers of views lie beside each other on ragged ground
     away_m = np.hypot(*(vertices - way_m[len(way_m) // 2]).T)
     replaced = (len(way_m) == 1) & (away_m > 0) & (away_m < ONE_PLACE_M) & problem.is_ragged & (tour.nest < 0)
     longer = np.vstack([vertices[: i + 1][~replaced[: i + 1]], detour, vertices[i + 1 :][~replaced[i + 1 :]]])
     return replace(tour, vertices_m=longer)
+
+
+def left_near(before_m: Floats, after_m: Floats, way_m: Floats, reach_m: float) -> Floats:
+    """Where a way leaves a long leg, and where it comes back: (2, 2), or (0, 2) where all of the leg is left.
+
+    A long leg that is led past a place as a whole lies elsewhere nearly all along, and takes ground out of sight.
+    """
+    leg_m = float(np.hypot(*(after_m - before_m)))
+    if leg_m < LONG_LEG * reach_m:
+        return np.zeros((0, 2))
+    along = (after_m - before_m) / leg_m
+    feet_m = (way_m - before_m) @ along
+    off_m = np.abs((way_m - before_m) @ np.array([-along[1], along[0]])).max()
+    room_m = max(float(off_m), LEAVES * reach_m)
+    leaves_m, returns_m = np.clip([feet_m[0] - room_m, feet_m[-1] + room_m], 0.0, leg_m)
+    return np.vstack([before_m + leaves_m * along, before_m + returns_m * along])
 
 
 def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:

@@ -92,7 +92,7 @@ def smooth(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
 
 def sensing(problem: Problem, angle_rad: float) -> Swath:
     """The swath of the mission's robot along lanes of this angle, a little narrower than it is."""
-    margin_m = problem.range_margin_m + (1 - LANE_SHARE) * problem.reach_m
+    margin_m = problem.range_margin_m + (1 - LANE_SHARE) * problem.reach_m + problem.lanes_overlap_m
     return Swath(sensor=problem.robot.sensor, angle_rad=angle_rad, margin_m=margin_m)
 
 
