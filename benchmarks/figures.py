@@ -17,6 +17,7 @@ from benchmarks.create2_sketch import create2_sketch
 from benchmarks.cyclic_visits import cyclic_visits
 from benchmarks.damaged_cache import damaged_cache
 from benchmarks.export_formats import export_formats
+from benchmarks.first_plans import first_plans
 from benchmarks.flights import flights
 from benchmarks.foreign_agvs import foreign_agvs
 from benchmarks.house import house, suite
@@ -224,6 +225,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "random-missions": random_missions,
     "anytime": anytime,
     "small-jobs": small_jobs,
+    "first-plans": first_plans,
     "motion": motion,
     "never-more": never_more,
     "cyclic-visits": cyclic_visits,
@@ -246,6 +248,7 @@ LONG = (
     "never-more",
     "random-missions",
     "anytime",
+    "first-plans",
     "swarm-million",
     "mutated-plans",
     "scanned-floors",

@@ -28,14 +28,14 @@ def write_building(folder: Path) -> Path:
 
 def write_corridor(folder: Path) -> Path:
     """22 km by 60 m, as wide as a disc."""
-    return _written(folder, "corridor-22-km", (22_000.0, 60.0), 1000.0, speed_m_s=10.0, radius_m=30.0)
+    return write_rectangle(folder, "corridor-22-km", (22_000.0, 60.0), 1000.0, speed_m_s=10.0, radius_m=30.0)
 
 
 def write_drones(folder: Path) -> Path:
     """Three drones over 34 ha, so many and no more, that start side by side."""
     start = {"points": [[10, 10], [20, 10], [30, 10]]}
     more = {"robots": 3, "start": start, "body_radius_m": 1.0}
-    return _written(folder, "three-drones", (680.0, 500.0), 900.0, speed_m_s=8.0, radius_m=20.0, **more)
+    return write_rectangle(folder, "three-drones", (680.0, 500.0), 900.0, speed_m_s=8.0, radius_m=20.0, **more)
 
 
 def write_wide_turns(folder: Path) -> Path:
@@ -52,7 +52,7 @@ def write_wide_turns(folder: Path) -> Path:
 
 def write_open_field(folder: Path) -> Path:
     """300 m by 200 m with bodies of 0.5 m: the fewest robots are found soon, and shortening goes on."""
-    return _written(folder, "open-field", (300.0, 200.0), 600.0, speed_m_s=2.0, radius_m=5.0, body_radius_m=0.5)
+    return write_rectangle(folder, "open-field", (300.0, 200.0), 600.0, speed_m_s=2.0, radius_m=5.0, body_radius_m=0.5)
 
 
 def write_whole_city(folder: Path) -> Path:
@@ -89,7 +89,7 @@ MISSIONS: Mapping[str, Callable[[Path], Path]] = {
 }
 
 
-def _written(
+def write_rectangle(
     folder: Path, name: str, size_m: Pair, period_s: float, *, speed_m_s: float, radius_m: float, **more: Any
 ) -> Path:
     """The mission over an empty rectangle; ``more``: of the fleet."""

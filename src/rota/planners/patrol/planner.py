@@ -62,9 +62,11 @@ def plan_patrol(
     require_ways_in(mission)
     require_room(mission)
     require_corners_in_reach(mission)
+    searched = without_starts(tight)
+    leads = judge if searched is tight else LeadingJudge(searched, tight, judge)
     try:
         plans = plan_tours(
-            without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,
+            searched, asked=mission, seed=seed, judge=leads, progress=progress,
             should_stop=should_stop, watch=watch, executor=executor,
         )  # fmt: skip
     except NoPlanFound as failure:
@@ -85,6 +87,35 @@ def plan_patrol(
             best=final,
         )
     return final
+
+
+class LeadingJudge:
+    """The judge, which also leads the first plan for the searched mission that passes from the mission's starts.
+
+    So there is a plan to tell, and to stop with, long before the search ends.
+    """
+
+    def __init__(self, searched: Mission, mission: Mission, judge: Judge) -> None:
+        self._searched, self._mission, self._judge = searched, mission, judge
+        self._has_led = False
+
+    def __reduce__(self) -> tuple[Callable[[Judge], Judge], tuple[Judge]]:
+        """Sent to another process it judges there, and leads nobody."""
+        return itself, (self._judge,)
+
+    def __call__(self, plan: Plan) -> Verdict:
+        """The verdict on a plan."""
+        verdict = self._judge(plan)
+        if not self._has_led and verdict.verdict == "met" and plan.mission == self._searched:
+            self._has_led = True  # another thread may lead its own at this moment, which does no harm
+            with suppress(NoPlanFound):
+                lead_from_starts(plan, self._mission, self._judge)
+        return verdict
+
+
+def itself(judge: Judge) -> Judge:
+    """The judge."""
+    return judge
 
 
 def plan_tours(

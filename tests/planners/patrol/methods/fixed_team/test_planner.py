@@ -13,7 +13,7 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.annealing.schedule import share_of_moves
 from rota.planners.patrol.context import Context
@@ -26,6 +26,7 @@ from rota.planners.patrol.methods.tours import fewest_robots_anywhere
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour
+from rota.planning.make_plan import search_plan
 
 
 def test_each_ratio_is_tried_once_with_all_moves() -> None:
@@ -106,6 +107,7 @@ def test_more_effort_never_gives_a_greater_ratio(
         return SimpleNamespace(demands=[SimpleNamespace(period_s=80.0, worst_gap_s=gap_s)], verdict="met")
 
     monkeypatch.setattr(planner, "plan_with_effort", planned)
+    monkeypatch.setattr(planner, "lanes_of_team", lambda *_: None)
     search = replace(search_on(team), judge=judge)
     if kept is None:
         with pytest.raises(NoPlanFound, match="normal"):
@@ -114,3 +116,20 @@ def test_more_effort_never_gives_a_greater_ratio(
     plan = plan_fixed_team(search, team, fewest_robots_anywhere)
     assert plan.trajectories == found[kept].trajectories
     assert plan.mission is search.problem.mission
+
+
+def test_the_first_plan_of_a_team_with_time_to_spare_is_lanes_from_its_starts() -> None:
+    starts = [(1.0, 1.0), (3.0, 1.0)]
+    robots = [Robot(name=name, start=start) for name, start in zip(("ann", "bob"), starts, strict=True)]
+    fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=2.5), body_radius_m=0.2, robots=robots)
+    mission = replace(FIELD, period_s=200, fleet=fleet)
+    doing, told = [""], list[tuple[str, Plan]]()
+    search_plan(
+        mission,
+        progress=lambda _share, what: doing.__setitem__(0, what),
+        on_better=lambda plan, report: told.append((doing[0], plan)) if report.verdict == "met" else None,
+    )
+    first_doing, first = told[0]
+    assert first_doing == "sweeping in lanes"
+    assert first.mission == mission
+    assert {tuple(one.positions_m[0].tolist()) for one in first} == set(starts)

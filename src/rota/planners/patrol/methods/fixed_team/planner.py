@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.methods.fewest.search import share_of_progress, with_less_effort
@@ -19,7 +22,9 @@ from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, ap
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.team_tours import join_for_team, starts_per_component, with_helpers
 from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
+from rota.planners.patrol.methods.large.search import in_lanes, is_large
 from rota.planners.patrol.methods.method import Method
+from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour, unfold_nests
@@ -37,8 +42,8 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     """The plan for exactly the fleet's robots whose worst ratio is the smallest found; NoPlanFound when it exceeds 1.
 
     asked: the mission with its starts, which say where spare robots go, and without a reserve, with which no ratio is
-    proved. method: finds a plan with as few robots as it can. Every effort begins with quick: more effort never gives a
-    greater ratio, and a search that is stopped, or that finds nothing, has the plan of quick.
+    proved. method: finds a plan with as few robots as it can. Every effort begins with lanes, and then with quick: more
+    effort never gives a greater ratio, and a search that is stopped, or that finds nothing, has these plans.
     """
     if (plan := plan_by_places(context, asked, method, plain=False)) is not None:
         return plan
@@ -61,19 +66,41 @@ def plan_by_places(context: Context, asked: Mission, method: Method, *, plain: b
 
 def plan_by_search(context: Context, asked: Mission, method: Method) -> Plan:
     """The same by the usual search alone."""
+    lanes = lanes_of_team(context, asked, method)
     mission = context.problem.mission
     if PatrolSettings.of(mission).effort == "quick" or not context.anneals:
-        return plan_with_effort(context, asked, method)
+        return better_plan(context, lanes, lambda: plan_with_effort(context, asked, method))
+
+    def quick() -> Plan:
+        less = replace(with_less_effort(context, "quick"), progress=share_of_progress(context.progress, 0, 0.25))
+        return replace(plan_with_effort(less, asked, method), mission=mission)
+
+    with suppress(NoPlanFound):
+        lanes = better_plan(context, lanes, quick)
+    return better_plan(context, lanes, lambda: plan_with_effort(context, asked, method))
+
+
+def better_plan(context: Context, first: Plan | None, search: Callable[[], Plan]) -> Plan:
+    """What the search finds, or the first plan, whose worst ratio is smaller; NoPlanFound where there is neither."""
+    if first is None:
+        return search()
     try:
-        quick = replace(with_less_effort(context, "quick"), progress=share_of_progress(context.progress, 0, 0.25))
-        first = replace(plan_with_effort(quick, asked, method), mission=mission)
-    except NoPlanFound:
-        return plan_with_effort(context, asked, method)
-    try:
-        plan = plan_with_effort(context, asked, method)
+        plan = search()
     except NoPlanFound:
         return first
     return min(first, plan, key=lambda one: worst_ratio(context.judge(one)))
+
+
+def lanes_of_team(context: Context, asked: Mission, method: Method) -> Plan | None:
+    """A plan of lanes for exactly the fleet's robots; None where it takes more, or where lanes are dear to lay."""
+    problem = context.problem
+    if not context.anneals or problem.is_ragged:
+        return None
+    anyone, robots = for_anyone(context), len(problem.mission.fleet.robots or ())
+    lanes = in_lanes(anyone) if is_large(context) else sweep(anyone, EARLY)
+    team = Team(robots=robots, starting=starts_per_component(problem, asked), method=method)
+    whole = None if lanes is None or not lanes.met else with_whole_team(context, lanes, team)
+    return None if whole is None else whole.plan
 
 
 def worst_ratio(verdict: Verdict) -> float:
