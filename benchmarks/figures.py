@@ -24,6 +24,7 @@ from benchmarks.house import house, suite
 from benchmarks.kept_phase import kept_phase
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
+from benchmarks.lawn_mowing import lawn_mowing
 from benchmarks.link_noise import link_noise
 from benchmarks.loop_lengths import loop_lengths
 from benchmarks.many_robots import many_robots
@@ -215,6 +216,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "bounce-coverage": bounce_coverage,
     "bounce-flats": bounce_flats,
     "one-robot": one_robot,
+    "lawn-mowing": lawn_mowing,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,
     "many-robots": many_robots,
@@ -249,6 +251,7 @@ LONG = (
     "random-missions",
     "anytime",
     "first-plans",
+    "lawn-mowing",
     "swarm-million",
     "mutated-plans",
     "scanned-floors",

@@ -31,8 +31,8 @@ was entered.
 `.venv/bin/python -m benchmarks NAME` measures the rows of one name; the names are the headings below. `--keep` puts the
 rows into `benchmarks/measured.csv` and writes this page anew. `--effort` is heeded by {efforts}.
 
-- `parcel-nl` (a Dutch parcel) and `cumberland` (a scanned building) need data that is not part of the repository;
-  without it their rows say so.
+- `parcel-nl` (a Dutch parcel), `cumberland` (a scanned building) and `lawn-mowing` (published polygons) need data that
+  is not part of the repository; without it their rows say so.
 - `one-robot` installs coverage-path-planner from PyPI, which names no licence, into a temporary folder to run beside
   it; `sun2019-frame` does so with fast-tsp, `swarm-peer` with pyrvo, and `swarm-importance` with coverage_control
   (GPL-3.0, no dependency).
