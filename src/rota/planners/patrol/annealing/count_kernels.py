@@ -6,8 +6,7 @@ run of samples is counted by a few operations on whole words, and so is the ques
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,13 +19,16 @@ WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of
 NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
 
 
-class Digit(IntEnum):
+class _Digit(NamedTuple):
     """Places in a row of Tours.times_seen: the lowest digits, then which samples have any of the digits that follow."""
 
-    ONES = 0
-    TWOS = 1
-    FOURS = 2
-    MORE = 3
+    ONES: int = 0
+    TWOS: int = 1
+    FOURS: int = 2
+    MORE: int = 3
+
+
+Digit = _Digit()
 
 
 def words_for(samples: int, legs: int) -> tuple[int, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -14,25 +13,32 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-class Most(IntEnum):
+# numba up to 0.65 takes no members of enumerations as places in arrays; numbers in a tuple it does
+class _Most(NamedTuple):
     """Places in ``Tours.most``."""
 
-    WEIGHT = 0  # the greatest weight of a sample
-    RANGE = 1  # the farthest that any is seen from, in x or in y
-    VERTEX = 2  # what a vertex more costs now
+    WEIGHT: int = 0  # the greatest weight of a sample
+    RANGE: int = 1  # the farthest that any is seen from, in x or in y
+    VERTEX: int = 2  # what a vertex more costs now
 
 
-class Count(IntEnum):
+Most = _Most()
+
+
+class _Count(NamedTuple):
     """Places in ``Tours.ints``."""
 
-    SLOTS_LEFT = 0
-    UNSEEN = 1
-    ACCEPTED = 2
-    VERTICES_LEFT = 3
-    VERTICES = 4
-    TRIED_NEW = 5
-    TRIED_OLD = 6
-    FULL = 7
+    SLOTS_LEFT: int = 0
+    UNSEEN: int = 1
+    ACCEPTED: int = 2
+    VERTICES_LEFT: int = 3
+    VERTICES: int = 4
+    TRIED_NEW: int = 5
+    TRIED_OLD: int = 6
+    FULL: int = 7
+
+
+Count = _Count()
 
 
 @by_reference

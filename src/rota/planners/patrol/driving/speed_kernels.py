@@ -8,7 +8,7 @@ A search weighs changes with them, many thousand times a second.
 from __future__ import annotations
 
 import math
-from enum import IntEnum
+from typing import NamedTuple
 
 from rota.compiled.kernel import allocation_free, noinline
 from rota.planners.patrol.driving.rounded_kernels import ALMOST
@@ -17,28 +17,34 @@ from rota.planners.patrol.tolerances import SAME_PLACE_M, STRAIGHT
 BESIDE = 6  # places on either side of one that moves: what it changes beyond is left out
 
 
-class Row(IntEnum):
+class _Row(NamedTuple):
     """Rows of a window: place, metres to the next one, sine of half the turn, square of the speed, what they cost."""
 
-    X = 0
-    Y = 1
-    WAY = 2
-    SINE = 3
-    SPEED2 = 4
-    LEG = 5
-    CORNER = 6
+    X: int = 0
+    Y: int = 1
+    WAY: int = 2
+    SINE: int = 3
+    SPEED2: int = 4
+    LEG: int = 5
+    CORNER: int = 6
 
 
-class Limit(IntEnum):
+Row = _Row()
+
+
+class _Limit(NamedTuple):
     """Numbers of limits, see ``rounded_kernels.Limits``; PACE is what a second is in metres."""
 
-    TOP2 = 0
-    ALONG = 1
-    ACROSS = 2
-    CUT = 3
-    RISE = 4
-    TURN = 5
-    PACE = 6
+    TOP2: int = 0
+    ALONG: int = 1
+    ACROSS: int = 2
+    CUT: int = 3
+    RISE: int = 4
+    TURN: int = 5
+    PACE: int = 6
+
+
+Limit = _Limit()
 
 
 @allocation_free

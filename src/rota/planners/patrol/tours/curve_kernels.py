@@ -11,7 +11,6 @@ the arc itself fits into its corners.
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +20,15 @@ from rota.compiled.kernel import kernel
 from rota.geometry.kernels import segment_is_free
 
 
-class Side(IntEnum):
+class _Side(NamedTuple):
     """Whither a piece of a path turns."""
 
-    LEFT = 1
-    STRAIGHT = 0
-    RIGHT = -1
+    LEFT: int = 1
+    STRAIGHT: int = 0
+    RIGHT: int = -1
+
+
+Side = _Side()
 
 
 WORDS = np.array(  # the pieces of each word

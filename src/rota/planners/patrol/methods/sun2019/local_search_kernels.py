@@ -7,7 +7,6 @@ nothing, and a kick after which the search ends worse than before, are undone by
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -19,12 +18,15 @@ from rota.planners.patrol.initial.order_kernels import reverse_places
 DEEPEST = 12  # 2-opt moves of one chain
 
 
-class Count(IntEnum):
+class _Count(NamedTuple):
     """Places in ``Search.ints``."""
 
-    REVERSALS = 0
-    QUEUED = 1
-    QUEUE_FIRST = 2
+    REVERSALS: int = 0
+    QUEUED: int = 1
+    QUEUE_FIRST: int = 2
+
+
+Count = _Count()
 
 
 class Search(NamedTuple):

@@ -9,7 +9,6 @@ on. The particles' other half, how they move, is in ``update_kernels.py``.
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,21 +18,27 @@ from rota.compiled.kernel import allocation_free, kernel
 DEPLOYED = 0.5  # the least flag of a sensor that counts
 
 
-class At(IntEnum):
+class _At(NamedTuple):
     """A sensor's coordinates."""
 
-    X = 0
-    Y = 1
-    FLAG = 2
+    X: int = 0
+    Y: int = 1
+    FLAG: int = 2
 
 
-class Counted(IntEnum):
+At = _At()
+
+
+class _Counted(NamedTuple):
     """What Eq. 11 counts."""
 
-    IN_OBSTACLES = 0
-    UNCOVERED = 1
-    SENSORS = 2
-    OVERLAPPED = 3
+    IN_OBSTACLES: int = 0
+    UNCOVERED: int = 1
+    SENSORS: int = 2
+    OVERLAPPED: int = 3
+
+
+Counted = _Counted()
 
 
 class Particles(NamedTuple):
