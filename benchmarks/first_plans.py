@@ -77,7 +77,7 @@ def first_plans(options: Options) -> Iterator[Row]:
     searched(write_open_field(options.folder))  # compiles
     for name, write in MISSIONS.items():
         first, robots = searched(write(options.folder))
-        told = f"none within {PATIENCE_S:g} s" if first is None else f"{first:.1f} s, {robots} robots"
+        told = f"none within {PATIENCE_S:g} s" if first is None else f"{first:.1f} s, robots: {robots}"
         yield Row(f"first plan that passes: {name}", f"{ASKED_S:g} s", told, first is not None and first <= ASKED_S)
 
 
