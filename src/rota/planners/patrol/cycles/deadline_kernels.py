@@ -44,6 +44,16 @@ def ends_late(at: int, left: Any, leg: Any) -> bool:
 
 
 @kernel
+def insert_by_worth(place: int, worth: Any, order: Any, count: int) -> None:
+    """Put a place among the first count of order (n,), which stand by what they are worth, the least first."""
+    k = count
+    while k > 0 and worth[order[k - 1]] > worth[place]:
+        order[k] = order[k - 1]
+        k -= 1
+    order[k] = place
+
+
+@kernel
 def lay_out_ways(at: int, left: Any, leg: Any, period: Any, by_age: bool, order: Any) -> None:
     """Write all other places into order (n - 1,): those first that have least time left, or are near and old."""
     n, count = left.shape[0], 0
@@ -52,11 +62,7 @@ def lay_out_ways(at: int, left: Any, leg: Any, period: Any, by_age: bool, order:
         if j == at:
             continue
         worth[j] = leg[at, j] - 0.5 * (period[j] - left[j]) if by_age else float(left[j] - leg[at, j])
-        k = count
-        while k > 0 and worth[order[k - 1]] > worth[j]:
-            order[k] = order[k - 1]
-            k -= 1
-        order[k] = j
+        insert_by_worth(j, worth, order, count)
         count += 1
 
 

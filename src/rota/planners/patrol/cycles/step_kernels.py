@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.kernel import kernel
+from rota.planners.patrol.cycles.deadline_kernels import insert_by_worth
 
 
 @kernel
@@ -55,11 +56,7 @@ def lay_out_next(state: Any, robots: int, leg: Any, period: Any, order: Any) -> 
         for r in range(robots):
             if r != who and state[r] == j:
                 worth[j] += period[j]
-        k = count
-        while k > 0 and worth[order[k - 1]] > worth[j]:
-            order[k] = order[k - 1]
-            k -= 1
-        order[k] = j
+        insert_by_worth(j, worth, order, count)
         count += 1
     return count
 
