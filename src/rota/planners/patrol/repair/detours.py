@@ -20,7 +20,7 @@ from rota.planners.patrol.tours.tour import Tour, room_m
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LONG_LEG, LEAVES = 4.0, 0.5  # reaches: of a leg so long a detour leaves the part about as near to it
+LONG_LEG = 4.0  # reaches: a leg so long is left and come back to where a detour is nearest
 FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
 
 
@@ -109,16 +109,15 @@ def with_detour(problem: Problem, tour: Tour, i: int, way_m: Floats) -> Tour:
 def left_near(before_m: Floats, after_m: Floats, way_m: Floats, reach_m: float) -> Floats:
     """Where a way leaves a long leg, and where it comes back: (2, 2), or (0, 2) where all of the leg is left.
 
-    A long leg that is led past a place as a whole lies elsewhere nearly all along, and takes ground out of sight.
+    Right beside the way, so that all of the leg is still driven: ground that a leg led aside takes out of sight bends
+    the lane beside it in the next round of repair, and that one the next.
     """
     leg_m = float(np.hypot(*(after_m - before_m)))
     if leg_m < LONG_LEG * reach_m:
         return np.zeros((0, 2))
     along = (after_m - before_m) / leg_m
     feet_m = (way_m - before_m) @ along
-    off_m = np.abs((way_m - before_m) @ np.array([-along[1], along[0]])).max()
-    room_m = max(float(off_m), LEAVES * reach_m)
-    leaves_m, returns_m = np.clip([feet_m[0] - room_m, feet_m[-1] + room_m], 0.0, leg_m)
+    leaves_m, returns_m = np.clip(feet_m[[0, -1]], 0.0, leg_m)
     return np.vstack([before_m + leaves_m * along, before_m + returns_m * along])
 
 

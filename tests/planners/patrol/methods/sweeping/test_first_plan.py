@@ -6,15 +6,16 @@ from dataclasses import replace
 
 import pytest
 from benchmarks.random_missions import random_mission
-from shapely import MultiPolygon, box
+from shapely import MultiPolygon, Point, box
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
-from rota.model.mission import Zone
+from rota.model.mission import Obstacle, Zone
 from rota.model.plan import Plan
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.methods.sweeping import first_plan, methods
 from rota.planners.patrol.methods.sweeping.first_plan import apart_m, sweep
+from rota.planners.patrol.verdict import Verdict
 
 
 def test_robots_that_repairs_ask_for_are_tried_without_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,3 +69,20 @@ def test_a_crowd_is_no_first_plan() -> None:
     calm = sweep(search_on(YARD), EARLY)
     assert calm is not None
     assert all(apart_m(tour) > 0.25 * 2 for tour in calm.tours if tour.robots > 1)
+
+
+def test_lanes_go_round_many_trunks_in_few_rounds() -> None:
+    circles = [Point(x, y).buffer(0.2, quad_segs=16) for x in (5, 15, 25) for y in (4, 11, 17)]
+    trunks = [Obstacle(shape=MultiPolygon([circle])) for circle in circles]
+    judged: list[Plan] = []
+    context = search_on(replace(YARD, obstacles=tuple(trunks)))
+
+    def judge(plan: Plan) -> Verdict:
+        judged.append(plan)
+        return check_plan(plan)
+
+    assert context.problem.lanes_overlap_m > 0
+    lanes = sweep(replace(context, judge=judge), EARLY)
+    assert lanes is not None
+    assert lanes.met
+    assert len(judged) <= 4  # eight without points behind the trunks

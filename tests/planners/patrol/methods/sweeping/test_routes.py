@@ -19,6 +19,7 @@ from rota.planners.patrol.methods.sweeping.routes import (
     driving_order,
     missed_m2,
     sweep_grounds,
+    without_small_holes,
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import tour_length_m
@@ -100,3 +101,9 @@ def test_directions_follow_the_longest_edges_and_square_sensors_also_their_diago
     assert found == pytest.approx([0, 90, 20, 110])
     square = problem_over(MultiPolygon([box(0, 0, 60, 39)]), sensor=SquareSensor(side_m=10))
     assert np.degrees(angles(square, slanted)) == pytest.approx([0, 90, 45, 135, 20, 110])
+
+
+def test_small_holes_are_filled_and_large_ones_are_not() -> None:
+    shape = shapely.difference(box(0, 0, 60, 40), shapely.union_all([box(10, 10, 13, 12), box(30, 10, 36, 12)]))
+    assert without_small_holes(MultiPolygon([shape]), 5.0).area == pytest.approx(60 * 40 - 12)
+    assert without_small_holes(MultiPolygon([shape]), 1.0).area == pytest.approx(60 * 40 - 18)

@@ -10,7 +10,7 @@ from rota.planners.patrol.efforts import TIGHT
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.methods.sweeping.methods import sequential_once
 from rota.planners.patrol.methods.sweeping.search import Proposal, first_proposals, judge_by_lanes
-from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.repair.repair import Repaired, missed_nooks, repair_until_feasible
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -35,7 +35,9 @@ def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
     proposals = [proposal for proposal in proposals if not is_crowded(proposal)]
     for proposal in sorted(proposals, key=lambda proposal: proposal.rank)[: settings.sweeping.tries]:
         rounds = settings.repair.rounds
-        lanes = repair_until_feasible(hasty, proposal.tours, no_points(), may_add=True, rounds=rounds)
+        # behind small obstacles next to nothing is hidden, which the check finds sliver by sliver
+        extra = missed_nooks(hasty, proposal.tours) if context.problem.lanes_overlap_m > 0 else no_points()
+        lanes = repair_until_feasible(hasty, proposal.tours, extra, may_add=True, rounds=rounds)
         if lanes.met:
             return with_robots_of(proposal, hasty, lanes)
         if hasty.should_stop():

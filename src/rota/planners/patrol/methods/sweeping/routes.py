@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import LineString, MultiPolygon, Point
+from shapely import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.model.mission import DiscSensor
@@ -78,6 +78,8 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
         parts = problem.paths.part_of(visits)
         for part, claim in enumerate(claims):
             own = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
+            if problem.lanes_overlap_m > 0:
+                own = without_small_holes(own, problem.reach_m)
             stops = visits[parts == part]
             if not own.is_empty or len(stops):
                 swept.append(SweepGround(shape=own, stops_m=stops, period_class=group[0], component=part))
@@ -88,6 +90,20 @@ def smooth(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
     """The shape without joints, slivers and the steps of a scanned map: lanes need no such detail, mending sees it."""
     simple = shapely.simplify(shape, tolerance_m)
     return simple if simple.is_valid and not simple.is_empty else shape
+
+
+def without_small_holes(shape: BaseGeometry, most_m: float) -> BaseGeometry:
+    """The shape with its holes filled whose boxes are no longer or wider than that.
+
+    Sixty trunks would cut it in a hundred cells, each with lanes of its own; lanes that meet one go round it.
+    """
+    filled = []
+    for part in shapely.get_parts(shape):
+        holes = np.array([Polygon(ring) for ring in part.interiors], dtype=object)
+        left, low, right, high = shapely.bounds(holes).reshape(-1, 4).T
+        kept = holes[np.maximum(right - left, high - low) > most_m]
+        filled.append(Polygon(part.exterior, [hole.exterior for hole in kept]))
+    return MultiPolygon(filled)
 
 
 def sensing(problem: Problem, angle_rad: float) -> Swath:
