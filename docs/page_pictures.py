@@ -10,8 +10,9 @@ import tempfile
 from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
-from tests.web.conftest import Server, open_page
+from tests.web.conftest import open_page
 from tests.web.drawing import COMPILING_MS, judged, open_example
+from tests.web.serving import Server
 
 FOLDER = Path(__file__).parent
 SIZE = {"width": 1280, "height": 760}
@@ -31,7 +32,7 @@ def main() -> None:
             picture_of_watching(page)
         finally:
             browser.close()
-            server.close()
+            server.end()
 
 
 def picture_of_editing(page: Page) -> None:

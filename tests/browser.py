@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import shutil
 import time
 from collections.abc import Iterator
@@ -15,18 +16,34 @@ if TYPE_CHECKING:
 OF_THIS_PAGE = ("file:", "data:", "blob:")
 
 
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    """One browser for all tests of a module, without a window; while it is open, no test can run an event loop."""
+# the shell without windows takes half of the time of the whole browser, which does where that is missing
+PROGRAMS = ("chromium-headless-shell", "chromium")
+
+
+@pytest.fixture(scope="session")
+def started_chromium() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
+    """One browser for all tests of a process, and the event loop that playwright leaves running meanwhile."""
     sync_api = pytest.importorskip("playwright.sync_api")
-    found = shutil.which("chromium")
+    found = next(filter(None, map(shutil.which, PROGRAMS)), None)
     if found is None:
         pytest.skip("chromium is not installed")
     with sync_api.sync_playwright() as playwright:
         # as root, chromium runs without its sandbox only
         browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield browser
+        loop = asyncio.get_running_loop()
+        asyncio._set_running_loop(None)
+        yield browser, loop
+        asyncio._set_running_loop(loop)
         browser.close()
+
+
+@pytest.fixture
+def chromium(started_chromium: tuple[Browser, asyncio.AbstractEventLoop]) -> Iterator[Browser]:
+    """The browser; other tests run event loops of their own, so playwright's is the running one for this test alone."""
+    browser, loop = started_chromium
+    asyncio._set_running_loop(loop)
+    yield browser
+    asyncio._set_running_loop(None)
 
 
 @pytest.fixture

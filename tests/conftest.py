@@ -7,6 +7,9 @@ import signal
 from pathlib import Path
 
 import pytest
+from tests.browser import chromium, started_chromium
+
+__all__ = ["chromium", "started_chromium"]
 
 PROJECT = Path(__file__).parents[1]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from tests.browser import chromium as chromium, offline_page as offline_page, until
+from tests.browser import offline_page as offline_page, until
 from tests.draw.conftest import loop
 from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from tests.browser import chromium
-
-__all__ = ["chromium"]
+from tests.web.serving import Server
 
 HAND_MS = 20_000  # for what hands do; the machine may be busy
 START_MS = 90_000  # until a new server's processes have loaded what the page asks first
@@ -39,50 +34,11 @@ class Faults:
             self.strangers.append(request.url)
 
 
-class Server:
-    """``rota serve`` with a data folder of its own."""
-
-    def __init__(self, data: Path, *options: str, port: int = 0) -> None:
-        command = [
-            sys.executable,
-            "-m",
-            "rota",
-            "serve",
-            "--no-open",
-            "--port",
-            str(port),
-            "--data",
-            str(data),
-            *options,
-        ]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.told: list[str] = []
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            self.told.append(line)
-            if "http://" in line:
-                self.url = "http://" + line.split("http://")[1].split()[0].rstrip("/")
-                return
-        raise AssertionError("".join(self.told))
-
-    @property
-    def port(self) -> int:
-        return urlsplit(self.url).port or 0
-
-    def kill(self) -> None:
-        self._process.kill()
-        self.close()
-
-    def close(self) -> None:
-        self._process.terminate()
-        self._process.communicate(timeout=60)
-
-
 @pytest.fixture(scope="session")
 def page_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server = Server(tmp_path_factory.mktemp("page") / "data")
     yield server
-    server.close()
+    server.end()
 
 
 @pytest.fixture
@@ -91,8 +47,8 @@ def faults(page_server: Server) -> Faults:
 
 
 @pytest.fixture
-def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
-    """The page in a fresh context, open and ready; it must make no error and ask nobody but its server."""
+def new_page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
+    """A tab in a fresh context, where nothing is open; it must make no error and ask nobody but its server."""
     sync_api = pytest.importorskip("playwright.sync_api")
     context = chromium.new_context(
         viewport={"width": 1280, "height": 800}, accept_downloads=True, reduced_motion="reduce"
@@ -103,14 +59,20 @@ def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
     page.on("console", faults.heard)
     page.on("pageerror", lambda error: faults.errors.append(str(error)))
     page.on("request", faults.asked)
-    open_page(page, page_server)
     yield page
     context.close()
     assert faults.errors == []
     assert faults.strangers == []
 
 
-def open_page(page: Any, server: Server, address: str = "") -> None:
+@pytest.fixture
+def page(new_page: Any, page_server: Server) -> Any:
+    """The page, open and ready."""
+    return open_page(new_page, page_server)
+
+
+def open_page(page: Any, server: Server, address: str = "") -> Any:
     page.goto("about:blank")  # an address that differs in what follows # alone would load nothing
     page.goto(f"{server.url}/{address}")
     page.locator("body[data-ready=true]").wait_for(timeout=START_MS)
+    return page

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 import subprocess
@@ -91,31 +90,48 @@ def waited(client: TestClient | httpx.Client, job: str, holds: Any, within_s: fl
         time.sleep(0.02)
 
 
-class Server:
-    """`rota serve` as a process of its own, on a free port."""
+# loading planning ahead of the first request is for people who wait
+LEAN = """
+from functools import partial
+from rota.__main__ import main
+from rota.web import app, serving
+app.POOL_SIZE = 1
+serving.make_app = partial(serving.make_app, prepares=False)
+main()
+"""
 
-    def __init__(self, data: Path, *options: str) -> None:
-        command = [sys.executable, "-m", "rota", "serve", "--no-open", "--port", "0", "--data", str(data), *options]
-        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ})
+
+class Server:
+    """`rota serve` as a process of its own, on a free port.
+
+    Unless it is to be `usual`, it loads nothing ahead, and reads, checks and draws one thing at a time.
+    """
+
+    def __init__(self, data: Path, *options: str, port: int = 0, usual: bool = False) -> None:
+        program = ["-m", "rota"] if usual else ["-c", LEAN]
+        serve = ["serve", "--no-open", "--port", str(port), "--data", str(data), *options]
+        self.process = subprocess.Popen([sys.executable, *program, *serve], stderr=subprocess.PIPE, text=True)
         assert self.process.stderr is not None
         self.said: list[str] = []
         for line in self.process.stderr:
             self.said.append(line)
             if found := re.search(r"http://\S+?:\d+/", line):
-                self.address = found[0].rstrip("/")
+                self.url = found[0].rstrip("/")
                 self.token = (re.findall(r"token=(\S+)", line) or [None])[0]
-                break
-        else:
-            raise AssertionError("".join(self.said))
+                return
+        raise AssertionError("".join(self.said))
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return int(self.url.rsplit(":", 1)[1])
 
     def client(self) -> httpx.Client:
         """A client of it."""
-        return httpx.Client(base_url=self.address, timeout=60)
+        return httpx.Client(base_url=self.url, timeout=60)
 
     def end(self, how: int = signal.SIGTERM) -> int:
         """End it; returns its exit code."""
         self.process.send_signal(how)
-        code = self.process.wait(30)
-        assert self.process.stderr is not None
-        self.process.stderr.close()
-        return code
+        self.process.communicate(timeout=60)
+        return self.process.returncode

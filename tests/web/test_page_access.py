@@ -12,10 +12,11 @@ from tests.web.drawing import judged, open_example, saved
 pytestmark = pytest.mark.browser
 
 TABS = ["edit", "plan", "watch", "take"]
+OF_COLOURS = {"runOnly": ["color-contrast", "link-in-text-block"]}
 
 
-def violations(page: Any) -> list[str]:
-    found = Axe().run(page).response["violations"]
+def violations(page: Any, options: dict[str, list[str]] | None = None) -> list[str]:
+    found = Axe().run(page, options=options or {"resultTypes": ["violations"]}).response["violations"]
     return [
         f"{rule['id']}: {node['html'][:160]} {node['failureSummary'][:200]}" for rule in found for node in rule["nodes"]
     ]
@@ -34,7 +35,8 @@ def test_axe_finds_nothing(page: Any, width: int) -> None:
         for colours in ("dark", "light"):
             page.emulate_media(color_scheme=colours)
             expect(page.locator("body")).to_have_attribute("data-theme", colours)
-            found[tab, colours] = violations(page)
+            # what is no rule about colours is the same in both
+            found[tab, colours] = violations(page, OF_COLOURS if colours == "dark" else None)
     page.get_by_role("button", name="Missions…").click()
     page.locator("[data-example=harbour-copters]").wait_for()
     found["missions", "light"] = violations(page)

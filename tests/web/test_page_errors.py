@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+import signal
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 from playwright.sync_api import expect
-from tests.web.conftest import Server, open_page
+from tests.web.conftest import open_page
 from tests.web.drawing import (
     click_map,
     document,
@@ -22,6 +23,7 @@ from tests.web.drawing import (
     saved,
     tool,
 )
+from tests.web.serving import Server
 
 pytestmark = pytest.mark.browser
 
@@ -122,9 +124,9 @@ def test_refusals_without_words_have_the_pages_own(page: Any, faults: Any) -> No
         page.unroute("**/api/jobs")
 
 
-def test_a_deleted_mission_in_the_address_is_told(page: Any, page_server: Any, faults: Any) -> None:
+def test_a_deleted_mission_in_the_address_is_told(new_page: Any, page_server: Any, faults: Any) -> None:
     faults.refusals_expected = True
-    open_page(page, page_server, "#mission=0123456789abcdef")
+    page = open_page(new_page, page_server, "#mission=0123456789abcdef")
     expect(page.locator("#notices")).to_contain_text("cannot be opened")
 
 
@@ -138,7 +140,7 @@ def test_edits_outlive_a_server_that_dies(chromium: Any, tmp_path: Path) -> None
         new_mission(page)
         draw_polygon(page, "Area", *SQUARE)
         before = document(page)
-        server.kill()
+        server.end(signal.SIGKILL)
         page.locator("#mission-form").get_by_label("Name").fill("kept")
         expect(page.locator("#banner")).to_be_visible()
         expect(page.locator("#saved")).to_contain_text("NOT SAVED")
@@ -149,4 +151,4 @@ def test_edits_outlive_a_server_that_dies(chromium: Any, tmp_path: Path) -> None
         assert document(page) == {**before, "name": "kept"}
     finally:
         context.close()
-        server.close()
+        server.end()

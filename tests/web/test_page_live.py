@@ -9,9 +9,10 @@ from typing import Any
 import httpx
 import pytest
 from playwright.sync_api import expect
-from tests.web.conftest import HAND_MS, Server, open_page
+from tests.web.conftest import HAND_MS, open_page
 from tests.web.drawing import COMPILING_MS, document, draw_two, judged, new_mission, open_example, saved
 from tests.web.planned import planned_mission
+from tests.web.serving import Server
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]  # fleets that fly in real time, and a server with tiles
 
@@ -22,9 +23,9 @@ DOT = (
 )
 
 
-def test_a_simulated_fleet_is_watched_until_it_is_ended(page: Any, page_server: Any) -> None:
+def test_a_simulated_fleet_is_watched_until_it_is_ended(new_page: Any, page_server: Any) -> None:
     mission = planned_mission(page_server.url)
-    open_page(page, page_server, f"#mission={mission}&tab=plan")
+    page = open_page(new_page, page_server, f"#mission={mission}&tab=plan")
     page.locator("#plans tbody").get_by_role("button", name="Watch").first.click()
     page.get_by_text("A live fleet on this plan").click()
     page.get_by_text("Settings of the link").click()
@@ -38,10 +39,10 @@ def test_a_simulated_fleet_is_watched_until_it_is_ended(page: Any, page_server: 
         assert {watch["state"] for watch in client.get("/api/watches").json()} <= {"ended"}
 
 
-def test_a_link_that_does_not_take_its_settings_says_so(page: Any, page_server: Any, faults: Any) -> None:
+def test_a_link_that_does_not_take_its_settings_says_so(new_page: Any, page_server: Any, faults: Any) -> None:
     faults.refusals_expected = True
     mission = planned_mission(page_server.url)
-    open_page(page, page_server, f"#mission={mission}&tab=plan")
+    page = open_page(new_page, page_server, f"#mission={mission}&tab=plan")
     page.locator("#plans tbody").get_by_role("button", name="Watch").first.click()
     page.get_by_text("A live fleet on this plan").click()
     page.get_by_text("Settings of the link").click()
@@ -56,7 +57,7 @@ def tiled_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     tiles = ["--tile-url", TILES + "/{z}/{x}/{y}.png", "--tile-attribution", "© OpenStreetMap contributors <b>"]
     server = Server(tmp_path_factory.mktemp("tiled") / "data", *tiles)
     yield server
-    server.close()
+    server.end()
 
 
 def test_missions_on_the_globe_lie_on_tiles(chromium: Any, tiled_server: Server) -> None:

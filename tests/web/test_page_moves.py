@@ -13,8 +13,8 @@ from tests.web.planned import newly_planned
 pytestmark = pytest.mark.browser
 
 
-def test_a_page_that_starts_says_so_and_offers_nothing_yet(page: Any, page_server: Any) -> None:
-    held: list[Any] = []
+def test_a_page_that_starts_says_so_and_offers_nothing_yet(new_page: Any, page_server: Any) -> None:
+    page, held = new_page, list[Any]()
     page.route("**/api/about", lambda route: held.append(route))
     page.goto("about:blank")
     page.goto(page_server.url)
@@ -28,8 +28,7 @@ def test_a_page_that_starts_says_so_and_offers_nothing_yet(page: Any, page_serve
     page.locator("body[data-ready=true]").wait_for()
 
 
-def test_back_goes_to_the_tab_and_the_mission_before(page: Any, page_server: Any) -> None:
-    open_page(page, page_server)
+def test_back_goes_to_the_tab_and_the_mission_before(page: Any) -> None:
     open_example(page, "harbour")
     saved(page)
     page.locator("#tab-plan").click()
@@ -45,8 +44,8 @@ def test_back_goes_to_the_tab_and_the_mission_before(page: Any, page_server: Any
     expect(page.locator("#panel-edit")).to_be_visible()
 
 
-def test_undo_changes_nothing_that_is_not_seen(page: Any, page_server: Any) -> None:
-    open_page(page, page_server, f"#mission={newly_planned(page_server.url)}")
+def test_undo_changes_nothing_that_is_not_seen(new_page: Any, page_server: Any) -> None:
+    page = open_page(new_page, page_server, f"#mission={newly_planned(page_server.url)}")
     period = page.locator("#mission-form").get_by_label("Period (s)")
     period.fill("55")
     saved(page)

@@ -21,9 +21,9 @@ SQUARE = [(100, 500), (500, 500), (500, 100), (100, 100)]
 
 
 @pytest.fixture
-def planned(page: Any, page_server: Any) -> Any:
+def planned(new_page: Any, page_server: Any) -> Any:
     """The page with a mission that has a plan."""
-    open_page(page, page_server, f"#mission={planned_mission(page_server.url)}&tab=plan")
+    page = open_page(new_page, page_server, f"#mission={planned_mission(page_server.url)}&tab=plan")
     expect(page.locator("#mission-name")).to_have_text("small")
     page.locator("#plans tbody tr").first.wait_for()
     return page

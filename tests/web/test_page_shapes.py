@@ -17,9 +17,9 @@ TOOLS = [("Zone", "Circle"), ("Start", "Point"), ("Obstacle", "Rectangle"), ("En
 
 
 @pytest.fixture
-def watching(page: Any, page_server: Any) -> Any:
+def watching(new_page: Any, page_server: Any) -> Any:
     """The page with a mission whose plan is watched."""
-    open_page(page, page_server, f"#mission={newly_planned(page_server.url)}&tab=plan")
+    page = open_page(new_page, page_server, f"#mission={newly_planned(page_server.url)}&tab=plan")
     page.locator("#plans tbody").get_by_role("button", name="Watch").first.click()
     expect(page.locator("#player-controls")).to_contain_text("robot")
     return page
@@ -45,7 +45,7 @@ def test_shapes_stay_on_the_map_when_a_plan_was_looked_at_whatever_is_chosen(wat
         saved(page)
 
 
-def test_hundreds_of_obstacles_leave_the_fleet_at_hand(page: Any, page_server: Any) -> None:
+def test_hundreds_of_obstacles_leave_the_fleet_at_hand(new_page: Any, page_server: Any) -> None:
     huts = [
         {"name": f"hut {k + 1}", "ring": [[x, y], [x + 5, y], [x + 5, y + 5], [x, y + 5]]}
         for k, (x, y) in enumerate((10 * column + 3, 10 * row + 3) for row in range(15) for column in range(20))
@@ -54,7 +54,7 @@ def test_hundreds_of_obstacles_leave_the_fleet_at_hand(page: Any, page_server: A
     with httpx.Client(base_url=page_server.url) as client:
         asked = {"document": {**SMALL, "name": "huts", "area": area, "obstacles": huts}}
         mission = client.post("/api/missions", json=asked).raise_for_status().json()["id"]
-    open_page(page, page_server, f"#mission={mission}")
+    page = open_page(new_page, page_server, f"#mission={mission}")
     expect(page.locator("#shape-list .card")).to_have_count(301)
     assert page.locator("#panel-edit").evaluate("(panel) => panel.scrollHeight") < 1600
     # the chosen one is shown in the list

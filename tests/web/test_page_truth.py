@@ -32,10 +32,10 @@ def one_of(page: Any, held: list[Any], but: Any = None) -> Any:
 
 
 @pytest.fixture
-def planned(page: Any, page_server: Any) -> Iterator[Any]:
+def planned(new_page: Any, page_server: Any) -> Iterator[Any]:
     """The page with the planned mission, which is in the end as it was."""
     mission = planned_mission(page_server.url)
-    open_page(page, page_server, f"#mission={mission}")
+    page = open_page(new_page, page_server, f"#mission={mission}")
     expect(page.locator("#mission-name")).to_have_text("small")
     yield page
     httpx.put(f"{page_server.url}/api/missions/{mission}", json={"document": SMALL}).raise_for_status()
@@ -110,10 +110,10 @@ def test_a_mission_that_has_a_plan_shows_it_when_it_is_opened(planned: Any, page
     expect(page.locator("#downloads")).to_contain_text("Of the plan small")
 
 
-def test_the_verdict_of_one_mission_never_stands_beside_another(page: Any, page_server: Any) -> None:
+def test_the_verdict_of_one_mission_never_stands_beside_another(new_page: Any, page_server: Any) -> None:
     bad = kept(page_server, {"name": "bad", "fleet": {**SMALL["fleet"], "robots": 100_000}})  # type: ignore[dict-item]
     kept(page_server, {"name": "good"})
-    open_page(page, page_server, f"#mission={bad}")
+    page = open_page(new_page, page_server, f"#mission={bad}")
     assert "100000 is not allowed" in judged(page)
     held: list[Any] = []
     page.route("**/api/validate*", lambda route: held.append(route))
@@ -137,10 +137,10 @@ def test_the_verdict_of_one_mission_never_stands_beside_another(page: Any, page_
     assert not [text for text in page.evaluate("window.seen") if "77" in text]
 
 
-def test_two_tabs_cannot_overwrite_each_other(page: Any, page_server: Any, faults: Any) -> None:
+def test_two_tabs_cannot_overwrite_each_other(new_page: Any, page_server: Any, faults: Any) -> None:
     faults.refusals_expected = True
     mission = kept(page_server, {"name": "shared"})
-    open_page(page, page_server, f"#mission={mission}")
+    page = open_page(new_page, page_server, f"#mission={mission}")
     other = page.context.new_page()
     open_page(other, page_server, f"#mission={mission}")
     for tab, value in ((other, "50"), (page, "40")):
@@ -168,9 +168,9 @@ def test_two_tabs_cannot_overwrite_each_other(page: Any, page_server: Any, fault
     other.close()
 
 
-def test_a_save_that_the_server_could_not_make_is_made_again(page: Any, page_server: Any, faults: Any) -> None:
+def test_a_save_that_the_server_could_not_make_is_made_again(new_page: Any, page_server: Any, faults: Any) -> None:
     faults.refusals_expected = True
-    open_page(page, page_server, f"#mission={kept(page_server)}")
+    page = open_page(new_page, page_server, f"#mission={kept(page_server)}")
     full = {"error": {"message": "the disk of the data folder is full", "faults": []}}
     page.route("**/api/missions/*", lambda route: route.fulfill(status=507, json=full), times=1)
     page.locator("#mission-form").get_by_label("Period (s)").fill("45")
@@ -188,12 +188,14 @@ def test_an_example_opened_again_is_the_same_mission(page: Any) -> None:
     assert mission_id(page) == first
 
 
-def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_plan(page: Any, page_server: Any) -> None:
+def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_plan(
+    new_page: Any, page_server: Any
+) -> None:
     zones = [{"name": "gate", "period_s": 12, "ring": [[65, 45], [80, 45], [80, 60], [65, 60]]}]
     area = [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
     fleet = {**SMALL["fleet"], "sensor": {"shape": "disc", "radius_m": 4}}  # type: ignore[dict-item]
     yard = {"area": area, "zones": zones, "fleet": fleet, "patrol": {"effort": "quick"}}
-    open_page(page, page_server, f"#mission={kept(page_server, yard)}&tab=plan")
+    page = open_page(new_page, page_server, f"#mission={kept(page_server, yard)}&tab=plan")
     page.evaluate(
         "() => { window.shares = []; window.words = new Set(); const look = () => {"
         " const bar = document.querySelector('#jobs progress'), said = document.querySelector('#jobs [data-job]');"
@@ -218,7 +220,7 @@ def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_pl
     assert all(re.search(r"\d s", told) for told in words)
 
 
-def test_what_a_crash_interrupted_is_told_once(page: Any, page_server: Any) -> None:
+def test_what_a_crash_interrupted_is_told_once(new_page: Any, page_server: Any) -> None:
     job = {
         "id": "0" * 16, "mission": None, "mission_name": "yard", "state": "interrupted", "planner": "patrol",
         "effort": None, "seed": 0, "time_limit_s": None, "revision": 1, "created_at": "", "started_at": None,
@@ -226,8 +228,8 @@ def test_what_a_crash_interrupted_is_told_once(page: Any, page_server: Any) -> N
         "progress": {"fraction": 1, "doing": "", "elapsed_s": 3, "left_s": None}, "best": None,
         "message": "the server ended", "plan": None, "place_in_queue": None,
     }  # fmt: skip
-    page.route("**/api/jobs", lambda route: route.fulfill(json=[job]))
-    open_page(page, page_server)
+    new_page.route("**/api/jobs", lambda route: route.fulfill(json=[job]))
+    page = open_page(new_page, page_server)
     expect(page.locator("#notices")).to_contain_text("Planning of yard was interrupted")
     open_page(page, page_server)
     page.locator("#tab-plan").click()
@@ -244,7 +246,7 @@ def listed(**values: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def test_swarms_have_no_periods_and_robots_at_rest_no_length(page: Any, page_server: Any) -> None:
+def test_swarms_have_no_periods_and_robots_at_rest_no_length(new_page: Any, page_server: Any) -> None:
     long = {
         "planner": "patrol",
         "effort": "normal",
@@ -254,8 +256,8 @@ def test_swarms_have_no_periods_and_robots_at_rest_no_length(page: Any, page_ser
         "plan_s": 888,
     }
     plans = [listed(), listed(id="2" * 16, robots=999, partial=True, stale=["area period 180 → 60 s"] * 9, **long)]
-    page.route("**/api/plans", lambda route: route.fulfill(json=plans))
-    open_page(page, page_server, "#tab=plan")
+    new_page.route("**/api/plans", lambda route: route.fulfill(json=plans))
+    page = open_page(new_page, page_server, "#tab=plan")
     page.get_by_label("also those of other missions").check()
     row = page.locator("#plans tbody tr").first
     assert row.locator("td").all_inner_texts()[2:5] == ["–", "–", "–"]
@@ -265,10 +267,10 @@ def test_swarms_have_no_periods_and_robots_at_rest_no_length(page: Any, page_ser
 
 
 def test_the_map_stays_where_it_is_from_step_to_step_and_long_names_keep_to_one_line(
-    page: Any, page_server: Any
+    new_page: Any, page_server: Any
 ) -> None:
     name = "a name that goes on and on, as the names of missions do which come from files of others " * 2
-    open_page(page, page_server, f"#mission={kept(page_server, {'name': name})}")
+    page = open_page(new_page, page_server, f"#mission={kept(page_server, {'name': name})}")
     expect(page.locator("#mission-name")).to_have_attribute("title", name)
     assert page.locator("header").bounding_box()["height"] < 60
     boxes = []

@@ -251,8 +251,8 @@ def test_no_fault_shows_its_traceback(client: TestClient) -> None:
 
 
 def test_other_hosts_get_a_token_that_is_printed_once(tmp_path: Path) -> None:
-    server = Server(tmp_path / "data", "--host", "0.0.0.0")
-    port = server.address.rsplit(":", 1)[1]
+    server = Server(tmp_path / "data", "--host", "0.0.0.0", usual=True)
+    port = server.port
     try:
         with server.client() as client:
             client.base_url = f"http://127.0.0.1:{port}"  # type: ignore[assignment]
