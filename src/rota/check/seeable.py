@@ -59,8 +59,8 @@ def _ground(obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], sl
 class SeeableGround:
     """What can be seen from standing areas past what blocks sight, ``hidden``.
 
-    On ragged ground all answers are kept, and the ground as looks ask for it: without a spread, and with the last few.
-    Of a large floor one takes 60 MB.
+    Answers are kept, since a search has hundreds of plans checked. On ragged ground it keeps the ground as looks ask
+    for it, too: without a spread, and with the last few. Of a large floor one takes 60 MB.
     """
 
     def __init__(self, hidden: Any, areas: tuple[StandingArea, ...], slack_m: float) -> None:
@@ -68,21 +68,26 @@ class SeeableGround:
         self._reach_m = max((area.sensor.reach_m for area in areas), default=0.0)
         corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
         self._is_ragged = int(corners) > MANY_SIDES
-        self._known: dict[float, dict[tuple[float, float], bool]] = {}
+        self._known: dict[tuple[float, float, float], bool] = {}
         self._scene_within = functools.lru_cache(maxsize=SPREADS)(self._ragged_scene)
 
     def sees(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
         """Whether each of the points (n, 2) can be seen within the spread: (n,) flags; see ``seeable``."""
-        if not self._is_ragged or spread_m > MOST_SPREAD * self._reach_m:
-            return _sees_from_any(self._areas, self._hidden, points_m, spread_m, self._slack_m)
-        known = self._known.setdefault(spread_m, {})
-        keys = list(map(tuple, points_m.tolist()))
+        known = self._known
+        if not self._is_ragged and len(known) > 300_000:  # 60 MB; there a look takes less than a millisecond
+            known.clear()
+        keys = [(spread_m, x, y) for x, y in points_m.tolist()]
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
         if len(new):
-            scene = self._scene if spread_m == 0 else self._scene_within(spread_m)
-            sight = _sees_in(scene, points_m[new], spread_m)
+            sight = self._look(points_m[new], spread_m)
             known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
         return np.array([known[key] for key in keys], dtype=np.bool_)
+
+    def _look(self, points_m: Floats, spread_m: float) -> Flags:
+        """What ``sees`` answers, looked at anew."""
+        if not self._is_ragged or spread_m > MOST_SPREAD * self._reach_m:
+            return _sees_from_any(self._areas, self._hidden, points_m, spread_m, self._slack_m)
+        return _sees_in(self._scene if spread_m == 0 else self._scene_within(spread_m), points_m, spread_m)
 
     @functools.cached_property
     def _scene(self) -> tuple[_Scene, ...]:
