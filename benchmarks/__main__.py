@@ -34,6 +34,7 @@ def main() -> None:
             processes=chosen.processes,
             steps=chosen.steps,
             flights=chosen.flights,
+            graphs=chosen.graphs,
         )
         for name in names:
             for row in FIGURES[name](options):
@@ -80,6 +81,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--steps", type=count, default=1000, metavar="N", help="of swarm-million; default 1000")
     parser.add_argument("--flights", type=Path, metavar="FOLDER", help="recorded flights, for flights")
+    parser.add_argument("--graphs", type=Path, metavar="FOLDER", help="a checkout of patrolling_sim, for graph-patrols")
     return parser
 
 

@@ -20,6 +20,7 @@ from benchmarks.export_formats import export_formats
 from benchmarks.first_plans import first_plans
 from benchmarks.flights import flights
 from benchmarks.foreign_agvs import foreign_agvs
+from benchmarks.graph_patrols import graph_patrols
 from benchmarks.house import house, suite
 from benchmarks.kept_phase import kept_phase
 from benchmarks.known_plans import known_plans
@@ -194,6 +195,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "methods": methods,
     "formats": export_formats,
     "flights": flights,
+    "graph-patrols": graph_patrols,
     "sun-cases": sun_cases,
     "loop-lengths": loop_lengths,
     "sun2019-deploy": sun_deploy,

@@ -38,3 +38,4 @@ class Options(NamedTuple):
     processes: int | None = None
     steps: int = 1000
     flights: Path | None = None
+    graphs: Path | None = None

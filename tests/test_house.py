@@ -14,7 +14,15 @@ from tests.test_imports import FILES, imports_of, module_name, within
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
-    ["planner_settings", "method_table", "work_ahead", "method_settings", "loop_settings", "tolerances"],
+    [
+        "planner_settings",
+        "lane_refusals",
+        "method_table",
+        "work_ahead",
+        "method_settings",
+        "loop_settings",
+        "tolerances",
+    ],
     ["driving", "tours", "verdict", "margins", "settings", "efforts", "cycles"],
     ["ground"],
     ["bounds", "context"],
@@ -23,6 +31,7 @@ PATROL_STAGES = [
     ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],
+    ["route_graph"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

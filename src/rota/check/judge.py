@@ -18,6 +18,7 @@ from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
 from rota.check.holding import holding_of
+from rota.check.lane_keeping import lane_violations
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.presence import presence_violations
@@ -226,7 +227,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
 def _violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
-    violations += _late_violations(plan)
+    violations += _late_violations(plan) + lane_violations(plan)
     return violations + moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
@@ -26,6 +27,8 @@ ON_TIME = 1 + 1e-9
 class GapMap:
     """Worst gap over period, (rows, columns) as in ``cell_map``; inf: never seen, nan: nothing asked.
 
+    In a zone to visit it is that between visits, all over the zone.
+
     excluded: (rows, columns), what nobody can see from anywhere a body can stand, where the mission excludes that;
     the ratio is nan there.
     """
@@ -38,6 +41,11 @@ class GapMap:
     def never(self) -> Bools:
         """(rows, columns): asked for and never seen."""
         return np.isinf(self.ratio)
+
+    @property
+    def blank(self) -> Bools:
+        """(rows, columns): ground of which nothing is asked."""
+        return np.isnan(self.ratio) & self.cell_map.inside & ~self.excluded
 
     @property
     def late(self) -> Bools:
@@ -54,12 +62,30 @@ def gap_map(plan: Plan, cells: int = 200_000) -> GapMap:
     points_m = np.ascontiguousarray(cell_map.points_m(cell_map.asked))
     if len(points_m):
         ratio[cell_map.asked] = revisits.worst_gaps_s(plan, points_m) / cell_map.period_s[cell_map.asked]
+    if cell_map.visit.any():
+        ratio[cell_map.visit] = _between_visits(plan, cell_map.points_m(cell_map.visit))
     never = np.isinf(ratio)
     if plan.mission.unseeable == "exclude" and never.any():
+        never &= cell_map.asked
         points_m = np.ascontiguousarray(cell_map.points_m(never))
         excluded[never] = ~seeable.seeable(plan.mission, standing.standing_areas(plan.mission), points_m)
         ratio[excluded] = np.nan
     return GapMap(cell_map=cell_map, ratio=ratio, excluded=excluded)
+
+
+def _between_visits(plan: Plan, points_m: Floats) -> Floats:
+    """The greatest worst gap over period (n,) between visits to the zones in which points (n, 2) lie."""
+    from rota.check import demands, revisits, tolerances
+
+    sights = revisits.sights_of(plan, plan.mission.area.bounds)
+    ratio = np.full(len(points_m), np.nan)
+    for demand in demands.demands_of(plan.mission):
+        if demand.demand == "visit":
+            inside = demands.visits(sights.routes.legs_m, demand.region, tolerances.slack_of(plan.mission))
+            gap_s, _ = revisits.loop_gap(sights.routes, inside, sights.window_s)
+            here = shapely.contains_xy(demand.region, points_m[:, 0], points_m[:, 1])
+            ratio[here] = np.fmax(ratio[here], gap_s / demand.period_s)
+    return ratio
 
 
 def _cells_path(cell_map: CellMap, mask: Bools) -> Path:
@@ -107,7 +133,7 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
     )
     # hatched, because in a grey print red is just another grey
     for mask, face, hatch, edge in (
-        (cell_map.inside & ~cell_map.asked, NOTHING_ASKED, "....", "#777777"),
+        (gaps.blank, NOTHING_ASKED, "....", "#777777"),
         (_broad(gaps.late), "none", "\\\\\\\\", "white"),
         (gaps.never, NEVER_SEEN, "xxxx", OVER_PERIOD),
         (gaps.excluded, EXCLUDED, "", EXCLUDED),
@@ -121,7 +147,7 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
 
 def gap_legend(gaps: GapMap) -> list[Patch]:
     """Legend entries for what the colour bar does not say, with shares of the asked ground."""
-    asked = max(int(gaps.cell_map.asked.sum()), 1)
+    asked = max(int((gaps.cell_map.asked | gaps.cell_map.visit).sum()), 1)
     entries = []
     if gaps.late.any():
         worst = gaps.ratio[gaps.late].max()
@@ -133,11 +159,10 @@ def gap_legend(gaps: GapMap) -> list[Patch]:
     if gaps.excluded.any():
         label = f"cannot be seen by any robot: {_share(gaps.excluded.sum() / asked)}"
         entries.append(Patch(facecolor=EXCLUDED, label=label))
-    blank = gaps.cell_map.inside & ~gaps.cell_map.asked
-    if blank.any():
-        visits = bool((gaps.cell_map.visit == blank).all())
-        label = "visits asked, not mapped" if visits else "nothing asked of every point"
-        entries.append(Patch(facecolor=NOTHING_ASKED, edgecolor="#777777", hatch="....", linewidth=0.5, label=label))
+    if gaps.blank.any():
+        entries.append(
+            Patch(facecolor=NOTHING_ASKED, edgecolor="#777777", hatch="....", linewidth=0.5, label="nothing asked")
+        )
     return entries
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from shapely import MultiPolygon
+from shapely import LineString, MultiPolygon
 from shapely.geometry.polygon import orient
 
 from rota.draw.importance_shade import draw_importance, importance_legend
@@ -18,6 +18,7 @@ from rota.model.mission import Mission, Obstacle
 FONT_PT = 7.5
 NAME_CHARACTERS = 60
 OUTLINED_CORNERS = 300
+FEW_ZONES = 12  # that are labelled with what they ask, even where all ask the same
 
 
 def plain(text: str, characters: int = NAME_CHARACTERS) -> str:
@@ -126,7 +127,25 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
             patch.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
     for obstacle in mission.obstacles:
         ax.add_patch(_obstacle_patch(obstacle))
+    _draw_one_ways(mission, ax)
     return ground
+
+
+def _draw_one_ways(mission: Mission, ax: Axes) -> None:
+    """A chevron in the middle of each lane that runs one way."""
+    for lane in mission.lanes:
+        if lane.one_way:
+            line = LineString(lane.line_m)
+            at = line.interpolate(0.5, normalized=True)
+            on = line.interpolate(0.5 + 1e-3, normalized=True)
+            turn_deg = float(np.degrees(np.arctan2(on.y - at.y, on.x - at.x)))
+            ax.plot(at.x, at.y, marker=(3, 0, turn_deg - 90), markersize=5, color=AREA_EDGE, zorder=2.6)
+
+
+def asked_everywhere(mission: Mission) -> str | None:
+    """What all zones ask, where they are too many to be labelled with it one by one; None: they differ, or are few."""
+    told = {demand_in_words(zone.period_s, zone.demand) for zone in mission.zones}
+    return told.pop() if len(told) == 1 and len(mission.zones) > FEW_ZONES else None
 
 
 def zone_legend(mission: Mission) -> list[Patch]:

@@ -14,7 +14,7 @@ from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
 from rota.draw.legends import LEGEND_PT, axes_at
-from rota.draw.mission_picture import draw_mission, mission_legend, period_text
+from rota.draw.mission_picture import asked_everywhere, draw_mission, mission_legend, period_text
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI, Half, two_maps
@@ -41,6 +41,8 @@ def _header(plan: Plan) -> str:
     if is_deployment(plan):
         return " · ".join([*words, "nothing asked of the ground"])
     where = "outside zones" if mission.zones else "whole area"
+    if (told := asked_everywhere(mission)) is not None:
+        words.append(f"{len(mission.zones)} zones, each {told}")
     words.append(f"{where} {'nothing asked' if mission.period_s is None else 'every ' + period_text(mission.period_s)}")
     return " · ".join(words)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, box, maximum_inscribed_circle
 from shapely.geometry.base import BaseGeometry
 
-from rota.draw.mission_picture import FONT_PT, demand_in_words, plain, points_per_metre
+from rota.draw.mission_picture import FONT_PT, asked_everywhere, demand_in_words, plain, points_per_metre
 from rota.draw.palette import ZONE_EDGE
 from rota.draw.routes import Route
 from rota.model.mission import Mission, Zone
@@ -88,8 +88,10 @@ def _label(zone: Zone, ax: Axes, *, brief: bool) -> Text:
 def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = (), *, brief: bool = False) -> None:
     """Each zone's name and period, in or right beside it, clear of each other and of the ``routes`` where they can be.
 
-    ``ax`` has its limits and an equal aspect. Of a zone in several parts the largest is labelled. brief: by its name.
+    ``ax`` has its limits and an equal aspect. Of a zone in several parts the largest is labelled. brief: by its name,
+    as it is where many zones ask the same.
     """
+    brief = brief or asked_everywhere(mission) is not None
     scale = points_per_metre(ax)
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     frame_box = box(left, bottom, right, top)

@@ -15,7 +15,7 @@ Json = dict[str, Any]
 _NO_CHANGE = ("rota", "name", "planner")
 _SEARCH_ONLY = ("patrol",)  # its settings say how to search; what a plan of it must hold stands outside of them
 _SHAPE = tuple(item.name for item in fields_of(Area))
-_SINGLE = {"zones": "zone", "obstacles": "obstacle", "moving_obstacles": "moving obstacle"}
+_SINGLE = {"zones": "zone", "obstacles": "obstacle", "moving_obstacles": "moving obstacle", "lanes": "lane"}
 _WORDS = {"period_s": "area period", "importance": "importance of the ground"}
 
 

@@ -13,7 +13,9 @@ from rota.errors import MissionError
 from rota.files.blocks import Fault, read_field
 from rota.files.geodesy import Projection, projection_for
 from rota.files.geojson_shapes import Feature
+from rota.files.graph_file import Graph
 from rota.files.importance_map import read_importance_map
+from rota.files.mission_graph import GraphGround, bounds_of, ground_of_graph, load_graph
 from rota.files.mission_schema import mission_field
 from rota.files.mission_shapes import Frame, Stop, features_of, gives, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import GapsError, InsideError, read_map
@@ -23,7 +25,7 @@ from rota.files.yaml_text import Place
 from rota.model.fields import fields_of
 from rota.model.importance import ALLOWED, ImportanceMap
 from rota.model.limits import DURATION, LENGTH
-from rota.model.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
+from rota.model.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Lane, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.model.refusals import show_value
 
@@ -41,6 +43,7 @@ class Ground(NamedTuple):
     zones: tuple[Zone, ...]
     origin: GeoPoint | None
     importance: float | ImportanceMap | None = None
+    lanes: tuple[Lane, ...] = ()
 
 
 class Noticed(NamedTuple):
@@ -68,28 +71,31 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
         return None
     frame = Frame(folder=folder, confine=confine, in_degrees=data.get("coordinates") == "wgs84")
     try:
-        frame = _place(frame, entry, _valid(data, "origin"), noticed)
-        area, obstacles = _area(frame, entry, noticed)
+        graph = load_graph(frame, entry) if gives(entry, "graph") else None
+        frame = _place(frame, entry, _valid(data, "origin"), noticed, graph)
+        on_graph = None if graph is None else ground_of_graph(frame, graph, entry.get("width_m"))
+        area, obstacles = _area(frame, entry, noticed) if on_graph is None else (on_graph.area, [])
         if (fault := _extent_fault(area)) is not None:
             raise Stop(("area",), fault)
     except Stop as stop:
         noticed.faults.extend(stop.faults)
         return None
     obstacles += _obstacles(frame, data, area, noticed)
-    zones = _zones(frame, data, area, noticed)
+    zones = _zones(frame, data, area, noticed, on_graph)
     stops = [obstacle.shape for obstacle in obstacles if obstacle.blocks_motion]
     if stops and not noticed.faults and area.difference(unary_union(stops)).area == 0:
         noticed.faults.append(Fault(("obstacles",), "cover the whole area; leave free space to move in"))
     origin = frame.projection.origin if frame.projection else None
     importance = _importance(frame, data, Site(area.bounds, origin), noticed)
-    return Ground(area, tuple(obstacles), tuple(zones), origin, importance)
+    lanes = () if on_graph is None else on_graph.lanes
+    return Ground(area, tuple(obstacles), tuple(zones), origin, importance, lanes)
 
 
 # ---------------------------------------------------------------- the area, and with it the frame
 
 
-def _place(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) -> Frame:
-    """The frame with its projection: about the given origin, or about the middle of an area in degrees."""
+def _place(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed, graph: Graph | None) -> Frame:
+    """The frame with its projection: about the given origin, or about the middle of an area or graph in degrees."""
     if origin is not None and not frame.in_degrees:
         return replace(frame, projection=Projection(GeoPoint(**origin)))
     if gives(entry, "map") or gives(entry, "text") or not (frame.in_degrees or gives(entry, "geojson")):
@@ -97,6 +103,8 @@ def _place(frame: Frame, entry: Any, origin: Values | None, noticed: Noticed) ->
     if gives(entry, "circle"):
         x, y = entry["circle"]["centre"]
         bounds: Any = (x, y, x, y)
+    elif graph is not None:
+        bounds = bounds_of(graph)
     else:
         bounds = shape_as_written(frame, ("area",), entry, noticed.warnings).shape.bounds
     try:
@@ -193,19 +201,44 @@ def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: 
     return obstacles
 
 
-def _zones(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Zone]:
-    """The zones that can be read, without what sticks out of the area."""
+def _zones(
+    frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed, on_graph: GraphGround | None
+) -> list[Zone]:
+    """The zones that can be read, without what sticks out of the area; on a graph those of its places besides."""
     zones: list[Zone] = []
     taken: set[str] = set()
+    spots: set[str] = set()
     for place, entry in _entries(data, "zones"):
         try:
-            for where, zone in _zones_of(frame, place, entry, taken, noticed):
+            if gives(entry, "place"):
+                found: Iterable[tuple[Place, Zone]] = [_zone_at_a_place(place, entry, on_graph)]
+                spots.add(entry["place"])
+            else:
+                found = _zones_of(frame, place, entry, taken, noticed)
+            for where, zone in found:
                 _require_free_name(where, zone.name, taken)
                 zones.append(_cut(place, zone, area, noticed))
                 taken.add(zone.name)
         except Stop as stop:
             noticed.faults.extend(stop.faults)
+    if on_graph is not None:
+        try:
+            for zone in on_graph.zones(_valid(data, "period_s"), spots):
+                _require_free_name(("area", "graph"), zone.name, taken)
+                zones.append(_cut(("area", "graph"), zone, area, noticed))
+        except Stop as stop:
+            noticed.faults.extend(stop.faults)
     return zones
+
+
+def _zone_at_a_place(place: Place, entry: Values, on_graph: GraphGround | None) -> tuple[Place, Zone]:
+    """The zone of an entry that names a place of the graph: to be visited, and called by the place's name."""
+    spot = None if on_graph is None else on_graph.spot(entry["place"])
+    if spot is None:
+        needed = "the id of a node is needed" if on_graph else "only an area that is a graph has places"
+        raise Stop((*place, "place"), f"{entry['place']!r} is no place of the graph; {needed}")
+    usual = {"name": entry["place"], "period_s": None, "demand": "visit"}
+    return (*place, "place"), Zone(**{**usual, **_own(Zone, entry), "shape": spot})
 
 
 def _zones_of(

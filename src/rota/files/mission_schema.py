@@ -19,9 +19,11 @@ from rota.files.shape_schema import (
     SHAPE_NEEDED,
     SOURCES,
     TEXT,
+    ZONE_SOURCES,
     Area,
     Ring,
     Shape,
+    Spot,
     area_faults,
     keys_with_values,
     one_of,
@@ -149,9 +151,9 @@ def row_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 def zone_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     """As of a shape; a zone that is no GeoJSON file needs a name, and a period or an importance."""
-    yield from shape_faults(data)
+    yield from shape_faults(data, ZONE_SOURCES)
     if data.get("geojson") is None:
-        if data.get("name") is None:
+        if data.get("name") is None and data.get("place") is None:
             yield ("name",), "is missing; give the zone a name"
         if "period_s" not in data and data.get("importance") is None:
             yield ("period_s",), "is missing; give seconds, or null to ask nothing in this zone"
@@ -170,6 +172,8 @@ def mission_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         if inner(zone, "importance") is not None and not {"period_s", "geojson"} & set(zone):
             message = "is missing; the area has one: give seconds, or null to ask nothing in this zone"
             yield ("zones", k, "period_s"), message
+    if data.get("lanes") and inner(data, "area", "graph") is not None:
+        yield ("lanes",), "given beside area.graph, which has lanes: remove one of them"
     if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
         yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
 
@@ -199,7 +203,8 @@ def _blocks() -> dict[Any, Block | Field]:
     forms = {item.name: item for item in fields_of(_Forms)}
     zone = {item.name: item for item in fields_in(Zone, "mission")}
     values = fields_in(ImportanceMap, "mission")
-    needs = ({"required": [*keys]} for keys in (("geojson",), ("name", "period_s"), ("name", "importance")))
+    enough = (("geojson",), ("name", "period_s"), ("name", "importance"), ("place", "period_s"))
+    needs = ({"required": [*keys]} for keys in enough)
     known: dict[Any, Block | Field] = {
         Area: block_of(Area, "mission", rules=area_faults, says=one_of(AREA_SOURCES)),
         ImportanceMap: replace(
@@ -213,8 +218,9 @@ def _blocks() -> dict[Any, Block | Field]:
             Zone,
             replace(zone["name"], needed=False, optional=True, default=None),
             replace(zone["period_s"], needed=False, default=None),
+            *fields_in(Spot, "mission"),
             rules=zone_faults,
-            says=one_of(SOURCES, anyOf=list(needs)),
+            says=one_of(ZONE_SOURCES, anyOf=list(needs)),
         ),
     }
     known[MultiPolygon] = field_in(forms["area"], "mission", known)

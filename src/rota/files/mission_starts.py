@@ -15,7 +15,7 @@ from rota.files.map_entrances import entrances_on_map
 from rota.files.mission_fleet import Values, listed_robots
 from rota.files.mission_ground import Ground
 from rota.files.yaml_text import Place
-from rota.model.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
+from rota.model.mission import Fleet, Lane, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
 from rota.model.planner_registry import DEFAULT
 from rota.model.refusals import path_of
 from rota.planning.planner import planner_named
@@ -87,6 +87,21 @@ def moving_obstacles(file: Values, ground: Ground) -> tuple[MovingObstacle, ...]
             raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
         moving.append(MovingObstacle(**{**block, "positions_m": positions}))
     return tuple(moving)
+
+
+def lanes_of(file: Values, ground: Ground) -> tuple[Lane, ...]:
+    """The mission's lanes in local metres. MissionError for lanes to nowhere and places that no projection holds."""
+    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
+    lanes = list(ground.lanes)
+    for k, block in enumerate(file.get("lanes", ())):
+        written = [_Written(("lanes", k, "line_m", j), at) for j, at in enumerate(block["line_m"])]
+        try:
+            lanes.append(Lane(**{**block, "line_m": tuple(map(to_metres, written))}))
+        except _Misplaced as error:
+            raise MissionError(*(f"lanes[{k}]: {fault.message}" for fault in error.faults)) from None
+        except MissionError as error:
+            raise MissionError(*(f"lanes[{k}]: {fault}" for fault in error.faults)) from None
+    return tuple(lanes)
 
 
 def _inside(file: Values) -> tuple[float, float] | None:

@@ -16,7 +16,7 @@ from rota.files.mission_schema import row_faults, start_faults
 from rota.model.fields import Field, field_of, fields_of
 from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
 from rota.model.importance import ImportanceMap
-from rota.model.mission import GeoPoint, Mission, MovingObstacle, Obstacle, Zone
+from rota.model.mission import GeoPoint, Lane, Mission, MovingObstacle, Obstacle, Zone
 from rota.model.plan import Plan, RunEnd
 from rota.model.planner_registry import PLANNERS, planner_names
 from rota.model.refusals import Where, inner
@@ -125,8 +125,8 @@ def _known_blocks() -> dict[Any, Block | Field]:
         ),
     }  # fmt: skip
     for kind, makes in (
-        (GeoPoint, GeoPoint), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle), (Zone, Zone),
-        (Robot, partial(make, Robot)), (Fleet, _fleet),
+        (GeoPoint, GeoPoint), (Lane, Lane), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle),
+        (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet),
     ):  # fmt: skip
         known[kind] = block_of(kind, "plan", known, makes=makes)
     return known

@@ -19,12 +19,13 @@ TEXT = ((1, None),)
 _BELONGS = {
     "holes": ["outer"], "feature": ["geojson"], "map": ["inside"], "inside": ["map"], "unknown": ["map"],
     "close_gaps_m": ["map"], "text": ["cell_m"], "cell_m": ["text"],
+    "width_m": ["graph"],
 }  # fmt: skip
 _RING_NEEDED = "a ring [[x, y], [x, y], [x, y], ...] or {outer: ring, holes: [ring, ...]} is needed"
 SHAPE_NEEDED = (
     "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {wkt: ...}, {geojson: ...} is needed"
 )
-AREA_NEEDED = f"{SHAPE_NEEDED.removesuffix(' is needed')}, {{map: ...}}, {{text: ...}} is needed"
+AREA_NEEDED = f"{SHAPE_NEEDED.removesuffix(' is needed')}, {{map: ...}}, {{text: ...}}, {{graph: ...}} is needed"
 
 
 def rings_of(default: Any = None, meaning: str = "", **takes: Any) -> Any:
@@ -79,11 +80,26 @@ class Area(Shape):
         None, "lines of . (free) and # (obstacle), the first is north; from (0, 0) on", count=TEXT
     )
     cell_m: float | None = field_of(None, "beside text: side of a character in metres", written=LENGTH)
+    graph: str | None = field_of(
+        None,
+        "path of a graph: networkx node-link JSON, a Nav2 route graph or a .graph file of patrolling_sim; robots keep"
+        " to its edges and come to each place within period_s",
+        count=TEXT,
+    )
+    width_m: float | None = field_of(None, "beside graph: how wide its ways are; null: 1", written=LENGTH)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spot:
+    """Where a zone is that has no shape."""
+
+    place: str | None = field_of(None, "where the area is a graph: the place of it that is meant", count=TEXT)
 
 
 SHAPE_KEYS = tuple(item.name for item in fields_of(Shape))
 SOURCES = tuple(name for name in SHAPE_KEYS if name not in _BELONGS)
-AREA_SOURCES = (*SOURCES, "map", "text")
+AREA_SOURCES = (*SOURCES, "map", "text", "graph")
+ZONE_SOURCES = (*SOURCES, "place")
 
 
 def one_of(sources: tuple[str, ...], **more: Any) -> dict[str, Any]:
@@ -118,6 +134,8 @@ def area_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     for key in keys_with_values(data, "inside", "unknown", "close_gaps_m"):
         if data.get("map") is None:
             yield (key,), "belongs to a map; remove it, or give map"
+    if data.get("width_m") is not None and data.get("graph") is None:
+        yield ("width_m",), "belongs to a graph; remove it, or give graph"
     if data.get("text") is not None and data.get("cell_m") is None:
         yield ("cell_m",), "is missing; a text map needs the side of a character in metres"
     if data.get("cell_m") is not None and data.get("text") is None:

@@ -30,6 +30,7 @@ from rota.model.fleet import (
     inner_reach_m as inner_reach_m,
 )
 from rota.model.importance import IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
+from rota.model.lanes import Lane as Lane, lane_faults as lane_faults
 from rota.model.limits import COORDINATE, DURATION, LARGEST_M, LENGTH, LONGEST_S, MOMENT
 from rota.model.motion_limits import MOTION_FIELDS
 from rota.model.planner_registry import DEFAULT, door_of
@@ -182,7 +183,8 @@ class Mission:
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground. ``holds_within_s``: all robots are in their loops, from when on
     periods hold, within so many seconds (None: at any time). ``importance``: what a square metre of ground is worth to
-    a swarm outside zones with an importance of their own, a number or a map; None: 1.
+    a swarm outside zones with an importance of their own, a number or a map; None: 1. ``lanes``: where there are some,
+    robots keep to them.
     """
 
     name: str = field_of(count=((1, None),))
@@ -223,6 +225,13 @@ class Mission:
     moving_obstacles: tuple[MovingObstacle, ...] = field_of(
         (), "of a swarm: discs that move along timed points", count=((0, None),), newer=True
     )
+    lanes: tuple[Lane, ...] = field_of(
+        (),
+        "of patrol: lines that robots keep to, from end to end; absent: they drive anywhere",
+        count=((0, None),),
+        newer=True,
+        spared=True,
+    )
     planning: PlannerSettings = field_of(_default_settings)
 
     def __post_init__(self) -> None:
@@ -239,6 +248,7 @@ class Mission:
             require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
         blocking = [obstacle.shape for obstacle in self.obstacles if obstacle.blocks_motion]
         faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
+        faults += lane_faults(self.area, blocking, self.fleet, self.lanes)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         data = _as_file_has_it(self)
@@ -301,6 +311,8 @@ def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) ->
         yield from kind.refusals(data)
         if data.get("moving_obstacles") and not kind.heeds_moving_obstacles:
             yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
+        if data.get("lanes") and not kind.heeds_lanes:
+            yield ("lanes",), f"the {kind.planner} planner has no use for lanes: remove them"
         if inner(data, "fleet", "entrances") is not None and not kind.heeds_entrances:
             yield ("fleet", "entrances"), f"the {kind.planner} planner has no use for entrances: remove them"
         if not kind.heeds_importance:

@@ -13,6 +13,8 @@ ViolationKind = Literal[
     # motion
     "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",
     "turn radius", "acceleration", "corner acceleration", "jerk",
+    # along lanes
+    "off the lanes", "against a one-way lane", "faster than its lane", "leaves a lane between its ends",
     # robots together
     "bodies touch", "clocks may differ",
     # robots that bounce

@@ -30,6 +30,7 @@ from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.route_graph.plan_on_graph import plan_on_lanes
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.tight_corners import require_corners_in_reach
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts, require_room
@@ -58,6 +59,8 @@ def plan_patrol(
     NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
+    if mission.lanes:
+        return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     tight = with_reserve(mission)
     require_ways_in(mission)
     require_room(mission)

@@ -48,23 +48,28 @@ def share_places(
     rounds: int,
     seed: int,
     should_stop: Callable[[], bool] = lambda: False,
+    begin: list[Share] | None = None,
 ) -> list[Share]:
     """The team with the fewest robots found that comes to all places (n,) for ever, each within its period.
 
     leg_s (n, n): from place to place in seconds, 0 on the diagonal and more elsewhere, inf where there is no way. With
     at most ``MOST_TOGETHER`` places it is the best of all teams in which a place belongs to one robot, or to robots
     that share a plain round, but for questions that ``most_states`` leaves open. With more, parts of the team are made
-    anew so many ``rounds``, unless the search is to stop.
+    anew so many ``rounds``, unless the search is to stop. begin: the team to begin with; None: neighbours together.
     """
     if len(period_s) <= MOST_TOGETHER:
         return best_team(leg_s, period_s, most_states=most_states)
     random = np.random.default_rng(seed)
-    groups = neighbours_together(leg_s)
-    team = [share for group in groups for share in team_for(group, leg_s, period_s, most_states)]
+    team = begin
+    if team is None:
+        groups = neighbours_together(leg_s)
+        team = [share for group in groups for share in team_for(group, leg_s, period_s, most_states)]
     for _ in range(rounds):
         if should_stop():
             break
         chosen = some_near_each_other(team, leg_s, random)
+        if not chosen:
+            continue  # one round with more places
         places = np.unique(np.concatenate([team[k].order for k in chosen]))
         anew = team_for(places, leg_s, period_s, most_states)
         if worth(anew) <= worth([team[k] for k in chosen]):

@@ -11,7 +11,7 @@
 import { pathKey, valueAt, withValue } from "./paths.js";
 
 const ENTRANCES = ["fleet", "entrances"];
-const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "wkt", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text", "cell_m"];
+const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "wkt", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text", "cell_m", "graph", "width_m", "place"];
 
 /**
  * All shapes: the area, obstacles, zones, starts, entrances. A document without an area has none of that kind.
@@ -77,6 +77,9 @@ function referenceOf(block) {
   }
   if (typeof block.map === "string") {
     return { type: "reference", what: `from the map ${block.map}` };
+  }
+  if (typeof block.graph === "string") {
+    return { type: "reference", what: `from the graph ${block.graph}` };
   }
   if (typeof block.wkt === "string") {
     return { type: "reference", what: "from well-known text" };
