@@ -63,11 +63,12 @@ def graph_patrols(options: Options) -> Iterator[Row]:
         order = nearest_first(calls.leg_s)
         whole_s = float(calls.leg_s[order, np.roll(order, -1)].sum())  # so long that one robot drives it
         (whole,) = plain_shares(calls.leg_s, np.full(len(calls), 1.01 * whole_s), moves=500_000, seed=0)
+        alone = idleness_on_routes([route_through(whole.order.tolist(), calls)], calls)
         for robots in TEAMS:
             began_s = time.process_time()
             ours = idleness_of(least_idle(mission, robots), network.ends_m[calls.end])
             took_s = time.process_time() - began_s
-            peers = {"one round for all": Idleness(whole.round_s / robots, whole.round_s / robots)}
+            peers = {"one round for all": Idleness(alone.worst_s / robots, alone.mean_s / robots)}
             routes = recorded_routes(options.graphs / "MSP" / name, name, robots)
             if routes and all(place in named for route in routes for place in route):
                 own = [np.array([named[place] for place in route]) for route in routes]
@@ -123,6 +124,13 @@ def recorded_routes(folder: Path, name: str, robots: int) -> list[list[str]]:
     if not all(path.is_file() for path in paths):
         return []
     return [path.read_text().split()[1:] for path in paths]
+
+
+def route_through(order: Sequence[int], calls: Calls) -> Ints:
+    """All places on the closed way through places in an order, those on the way included."""
+    number = {int(end): k for k, end in enumerate(calls.end)}
+    ends = [end for a, b in zip(order, [*order[1:], order[0]], strict=True) for end in calls.way(a, b)[:-1]]
+    return np.array([number[end] for end in [*ends, ends[0]]])
 
 
 def idleness_on_routes(routes: Sequence[Ints], calls: Calls) -> Idleness:
