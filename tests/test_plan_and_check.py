@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 from shapely import MultiPoint, MultiPolygon, Polygon, affinity, box
+from tests.short_searches import short_searches as short_searches
 
 import rota
 from rota.model.mission import Blocks, DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
