@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,13 @@ SYSTEM_CLOCK = {
 }  # fmt: skip
 
 MODULES = {module_name(file): file for file in FILES}
+
+
+@cache
+def functions_of(file: Path) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
+    """All functions of a source, methods and those within others too."""
+    nodes = ast.walk(ast.parse(file.read_text()))
+    return [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
 
 
 def imported_modules(module: str) -> set[str]:
@@ -166,11 +174,9 @@ def test_only_dates_come_from_a_clock_that_people_set() -> None:
 def test_modules_and_functions_stay_short() -> None:
     too_long: dict[str, int] = {}
     for module, file in MODULES.items():
-        text = file.read_text()
-        lengths = {module: (len(text.splitlines()), 350)}
-        for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                lengths[f"{module}.{node.name}"] = ((node.end_lineno or 0) - node.lineno + 1, 60)
+        lengths = {module: (len(file.read_text().splitlines()), 350)}
+        for node in functions_of(file):
+            lengths[f"{module}.{node.name}"] = ((node.end_lineno or 0) - node.lineno + 1, 60)
         too_long |= {name: lines for name, (lines, most) in lengths.items() if lines > most}
     assert too_long == {}
 
@@ -227,12 +233,11 @@ def words_to_change() -> set[str]:
     """The functions of Rota that are called by participles, but for properties, or that say nothing of themselves."""
     found = set()
     for module in (name for name in MODULES if within(name, "rota")):
-        for node in ast.walk(ast.parse(MODULES[module].read_text())):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                name = f"{module.removeprefix('rota.')}:{node.name}"
-                is_data = any("property" in ast.unparse(each) for each in node.decorator_list)
-                found |= {f"participle {name}"} if is_participle(node.name) and not is_data else set()
-                found |= {f"silent {name}"} if is_silent(node) else set()
+        for node in functions_of(MODULES[module]):
+            name = f"{module.removeprefix('rota.')}:{node.name}"
+            is_data = any("property" in ast.unparse(each) for each in node.decorator_list)
+            found |= {f"participle {name}"} if is_participle(node.name) and not is_data else set()
+            found |= {f"silent {name}"} if is_silent(node) else set()
     return found
 
 

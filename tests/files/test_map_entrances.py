@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.files.test_occupancy_map import write_map
+from tests.short_searches import short_searches as short_searches
 
 from rota import check_plan, make_plan
 from rota.files.mission_file import ReadMission, read_mission

@@ -28,10 +28,16 @@ from rota_studies.verdict import Outcome
 pytestmark = pytest.mark.usefixtures("without_search")
 
 
+KEPT: dict[str, Case] = {}
+
+
 @pytest.fixture
 def case(make_runs: Callable[..., Runs]) -> Case:
-    runs = make_runs()
-    return case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
+    """The case of Section 5.1, run once for all tests of this file; it is not to be changed."""
+    if not KEPT:
+        runs = make_runs()
+        KEPT["5.1"] = case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
+    return KEPT["5.1"]
 
 
 def changed(case: Case, **outcomes: Found) -> Case:
