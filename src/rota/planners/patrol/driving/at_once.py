@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
-from rota.planners.patrol.driving.polylines import turns_rad, without_straight_vertices
+from rota.planners.patrol.driving.polylines import keeps_radius, turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import SLOWER
 
@@ -40,6 +40,8 @@ class AtOnce:
         """Metres of a round; see ``Driving``."""
         legs = np.diff(np.vstack([vertices_m, vertices_m[:1]]), axis=0)
         lengths = np.hypot(legs[:, 0], legs[:, 1])
+        if self.corner_costs.arc_m > 0 and keeps_radius(vertices_m, self.corner_costs.arc_m):
+            return float(lengths.sum())  # its turns are in its legs
         turns = turns_rad(vertices_m)
         turning_m = self.corner_costs.turn_m * float(turns.sum())
         return float(lengths.sum()) + turning_m + spool_m(lengths, turns, self.robot.turn_radius_m)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -131,3 +132,17 @@ def way_beside(
         return corners_m, np.zeros((0, 2))
     rows = rows_of(corners_m)
     return beside_legs(rows[:, 1:3], rows[1:, 4].astype(np.int64), vertices_m, straight_rad)
+
+
+def keeps_radius(vertices_m: Floats, radius_m: float) -> bool:
+    """Whether a closed polyline (n, 2) is driven on arcs of the radius or more: its legs touch such arcs.
+
+    As ``check.turning`` asks: a curve is no farther than radius / 200 off, and what corners take of a leg fits on it.
+    """
+    corners_m = without_straight_vertices(vertices_m, 1e-7)  # legs whose directions differ by less are one
+    turns = turns_rad(corners_m)
+    if len(corners_m) < 3 or turns.max() > 2 * math.acos(1 / (1 + 1 / 200)):
+        return False
+    taken_m = radius_m * np.tan(turns / 2)
+    lengths_m = np.hypot(*(np.roll(corners_m, -1, axis=0) - corners_m).T)
+    return bool((taken_m + np.roll(taken_m, -1) <= lengths_m).all())

@@ -12,6 +12,7 @@ from rota.planners.patrol.methods.cycles.fewest import fewest_for_targets
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
+from rota.planners.patrol.methods.sweeping.wide_turns import turns_widely
 from rota.planners.patrol.repair.repair import Repaired
 
 
@@ -27,7 +28,7 @@ def fewest_on_ground(context: Context) -> Repaired:
     hardly move anywhere drive no lanes. The highest bound is proved once there are lanes: it takes as long as these do.
     """
     problem = context.problem
-    if is_large(context):
+    if is_large(context) and not turns_widely(problem):
         return fewest_on_large(with_best_bound(context), fewest_robots)
     without = problem.is_ragged or all(robots_stand(problem, period_s) for period_s in problem.periods_s)
     lanes = None if without else sweep(context, EARLY)
@@ -39,7 +40,9 @@ def fewest_on_ground(context: Context) -> Repaired:
         lanes = claiming(lanes, context.bound)
         if lanes.robots <= context.enough_robots:
             return lanes
-    if is_large(context):  # by other proofs than areas and periods
+    if is_large(context):  # also by other proofs than areas and periods
+        if lanes is not None and turns_widely(problem):
+            return lanes  # districts leave no room to turn
         return fewest_on_large(context, fewest_robots)
     return fewest_robots(context, lanes)
 

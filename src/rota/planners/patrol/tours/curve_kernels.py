@@ -273,3 +273,16 @@ def curve_corners(points, headings, words, radius_m):
         count += word_corners(words[k], points[k, 0], points[k, 1], headings[k], pieces, radius_m, out[count:])
     out[count] = points[-1]
     return out[: count + 1]
+
+
+@kernel
+def lengths_between(begins, ends, headings_a, headings_b, radius_m, grid, lengths, words):
+    """The shortest free paths from each pose to each other: their lengths and words, both (n, m, 1, 1).
+
+    begins: (n, 2), headings_a: (n, 1), in which they are left. ends: (m, 2), headings_b: (m, 1), in which they are
+    come to. Without a free path a pair has its shortest, BLOCKED_M longer.
+    """
+    for i in range(len(begins)):
+        for j in range(len(ends)):
+            leg = Leg(begins[i], ends[j], headings_a[i], headings_b[j])
+            shortest_words(leg, radius_m, grid, True, lengths[i, j], words[i, j])

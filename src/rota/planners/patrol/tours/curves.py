@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
-from rota.planners.patrol.driving.polylines import timeable
+from rota.planners.patrol.driving.polylines import keeps_radius, timeable
 from rota.planners.patrol.tolerances import HAIR_M
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
@@ -41,11 +41,11 @@ def _never() -> bool:
 def curve_tours(tours: Sequence[Tour], grid: EdgeGrid, should_stop: Callable[[], bool] = _never) -> list[Tour]:
     """The tours as their robots drive them in the space of the grid; the same tours where robots turn on the spot.
 
-    Curves may leave the space where the search is to stop.
+    So are tours that keep the radius as they are. Curves may leave the space where the search is to stop.
     """
     return [
         tour
-        if tour.robot.turn_radius_m == 0
+        if tour.robot.turn_radius_m == 0 or keeps_radius(tour.vertices_m, tour.robot.turn_radius_m)
         else replace(tour, vertices_m=closed_curve(tour.vertices_m, tour.robot.turn_radius_m, grid, should_stop))
         for tour in tours
     ]

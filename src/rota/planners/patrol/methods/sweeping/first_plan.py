@@ -10,6 +10,7 @@ from rota.planners.patrol.efforts import TIGHT
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.methods.sweeping.methods import sequential_once
 from rota.planners.patrol.methods.sweeping.search import Proposal, first_proposals, judge_by_lanes
+from rota.planners.patrol.methods.sweeping.wide_turns import sweep_with_wide_turns, turns_widely
 from rota.planners.patrol.repair.repair import Repaired, missed_nooks, repair_until_feasible
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -31,8 +32,12 @@ def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
         context, problem=judge_by_lanes(context.problem), settings=settings, progress=silent,
         should_stop=lambda: time.process_time() > end_s if stopped else context.should_stop(),
     )  # fmt: skip
+    if turns_widely(context.problem):
+        lanes = sweep_with_wide_turns(hasty, is_crowded)
+        if lanes is not None:
+            return lanes
     proposals = list(first_proposals(sequential_once(settings.sweeping.angles), hasty))
-    proposals = [proposal for proposal in proposals if not is_crowded(proposal)]
+    proposals = [proposal for proposal in proposals if not any(map(is_crowded, proposal.tours))]
     for proposal in sorted(proposals, key=lambda proposal: proposal.rank)[: settings.sweeping.tries]:
         rounds = settings.repair.rounds
         # behind small obstacles next to nothing is hidden, which the check finds sliver by sliver
@@ -54,9 +59,9 @@ def with_robots_of(proposal: Proposal, context: Context, lanes: Repaired) -> Rep
     return fewer if fewer.met else lanes
 
 
-def is_crowded(proposal: Proposal) -> bool:
+def is_crowded(tour: Tour) -> bool:
     """Whether robots follow each other so closely that fewer would see as much from where they stand."""
-    return any(tour.robots > 1 and apart_m(tour) < CROWDED * tour.robot.sensor.reach_m for tour in proposal.tours)
+    return tour.robots > 1 and apart_m(tour) < CROWDED * tour.robot.sensor.reach_m
 
 
 def apart_m(tour: Tour) -> float:
