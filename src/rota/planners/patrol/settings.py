@@ -91,6 +91,11 @@ class MultistartSettings:
     kept: int
     tries: int = 1
 
+    @property
+    def is_thorough(self) -> bool:
+        """Whether new tours are annealed for the sake of a little less, too: those of each allocation several times."""
+        return self.seeds > 1
+
 
 @dataclass(frozen=True, kw_only=True)
 class AnnealingSettings:

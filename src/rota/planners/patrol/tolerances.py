@@ -9,8 +9,13 @@ ROUNDING = 1e-6  # share by which sums of many numbers may be off: what has to h
 SURELY = 1 + ROUNDING  # what a bound must see exceeded is taken as longer by this, so that rounding never raises it
 SLOWER = 1 - ROUNDING  # of full speed, so that rounding of times never shows as speeding
 
+TO_SPARE = 1e-3  # share by which limits are kept better than asked, so that nobody who looks closely sees more
+TIE = 1e-9  # share by which a few operations on numbers of one size are off: less is no difference
+
 HAIR_M = 1e-6  # shorter legs, which times tell with too few digits, and gaps, slivers and differences are none
 SLIVER_M2 = 1e-6  # ground with less area is what rounding leaves of cuts
+BESIDE_M = 1e-3  # what is only to lie surely beside something lies so far beside it
+CUT_M = 1e-5  # lengths and gaps that cuts of shapes leave are shorter
 ON_LINE_M = 1e-7  # a place so near to a wall, a border or a route lies on it
 INSIDE_M = 1e-8  # a place so far inside of a border is surely inside, give or take rounding
 SAME_PLACE_M = 1e-9  # places so near to each other are one, but for rounding

@@ -10,7 +10,8 @@ from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.repair.last_places import ACROSS, ONE_PLACE_M, off_vertices, way_across
+from rota.planners.patrol.repair.last_places import ACROSS, off_vertices, way_across
+from rota.planners.patrol.tolerances import CUT_M
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,6 @@ def test_a_place_beside_a_vertex_gives_way_to_another_in_the_same_view(
     far_m, beside_m = np.array([[5.0, 5.0]]), np.array([[5.0, 5.0], [0.5, 5.0 + 2e-7]])
     assert np.array_equal(off_vertices(hall, far_m, point_m, place_m), place_m)
     other_m = off_vertices(hall, beside_m, point_m, place_m)
-    assert np.hypot(*(other_m - beside_m[1])) > ONE_PLACE_M
+    assert np.hypot(*(other_m - beside_m[1])) > CUT_M
     assert np.hypot(*(other_m - point_m)) < 4.0
     assert hall.paths.part_of(other_m[None])[0] == 0

@@ -20,11 +20,10 @@ from rota.planners.patrol.driving.corner_costs import (
 from rota.planners.patrol.driving.polylines import way_beside, without_straight_vertices
 from rota.planners.patrol.driving.speed_kernels import BESIDE, Row, slopes
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tolerances import OFF_M, SLOWER
+from rota.planners.patrol.tolerances import OFF_M, SLOWER, TO_SPARE
 
 Floats = NDArray[np.float64]
 
-GENTLER = 1 - 1e-3  # than the limits, so that rounding never shows as more
 SLOWEST_M_S = 1e-3  # slower is at rest
 SLOPE_M = 0.02  # by which vertices are moved to see what moves cost
 STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
@@ -43,9 +42,9 @@ class Rounded:
         rate = robot.turn_rate_rad_s
         self.limits = kernels.Limits(
             speed_m_s=robot.ground_speed_m_s * SLOWER,
-            along_m_s2=motion.acceleration_m_s2 * GENTLER,
-            corner_m_s2=corner * GENTLER,
-            jerk_m_s3=math.inf if motion.jerk_m_s3 is None else motion.jerk_m_s3 * GENTLER,
+            along_m_s2=motion.acceleration_m_s2 * (1 - TO_SPARE),
+            corner_m_s2=corner * (1 - TO_SPARE),
+            jerk_m_s3=math.inf if motion.jerk_m_s3 is None else motion.jerk_m_s3 * (1 - TO_SPARE),
             cut_m=float(motion.corner_m),
             turn_s=0.0 if rate is None else 1 / (rate * SLOWER),
         )

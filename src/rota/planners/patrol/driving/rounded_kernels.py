@@ -19,10 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.tolerances import SHORTEST_S, STRAIGHT
+from rota.planners.patrol.tolerances import SHORTEST_S, STRAIGHT, TIE
 
 BISECTIONS = 40
-ALMOST = 1 - 1e-9  # sine of half the turn of who comes back the same way; of half a leg, to which a rounding reaches
 
 
 class Limits(NamedTuple):
@@ -62,7 +61,7 @@ def ramp_m(from_m_s, to_m_s, limits):
 @kernel
 def _corner_m_s2(sine, limits):
     """The greatest acceleration round a corner: where it leads straight back, its parabola is the way itself."""
-    return limits.corner_m_s2 if sine < ALMOST else min(limits.corner_m_s2, limits.along_m_s2)
+    return limits.corner_m_s2 if sine < 1 - TIE else min(limits.corner_m_s2, limits.along_m_s2)
 
 
 @kernel
@@ -90,12 +89,12 @@ def fastest_round(sine, shorter_m, limits):
         return 0.0
     low, high = 0.0, limits.speed_m_s
     _, half_m, off_m = rounding(high, sine, limits)
-    if half_m <= shorter_m / 2 * ALMOST and off_m <= limits.cut_m:
+    if half_m <= shorter_m / 2 * (1 - TIE) and off_m <= limits.cut_m:
         return high
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         _, half_m, off_m = rounding(middle, sine, limits)
-        if half_m <= shorter_m / 2 * ALMOST and off_m <= limits.cut_m:
+        if half_m <= shorter_m / 2 * (1 - TIE) and off_m <= limits.cut_m:
             low = middle
         else:
             high = middle

@@ -11,8 +11,7 @@ import math
 from typing import NamedTuple
 
 from rota.compiled.kernel import allocation_free, noinline
-from rota.planners.patrol.driving.rounded_kernels import ALMOST
-from rota.planners.patrol.tolerances import SAME_PLACE_M, STRAIGHT
+from rota.planners.patrol.tolerances import SAME_PLACE_M, STRAIGHT, TIE
 
 BESIDE = 6  # places on either side of one that moves: what it changes beyond is left out
 
@@ -55,7 +54,7 @@ def _length(x, y):
 @allocation_free
 def across_m_s2(sine, limits):
     """The greatest acceleration round a corner; see ``rounded_kernels``."""
-    return limits[Limit.ACROSS] if sine < ALMOST else min(limits[Limit.ACROSS], limits[Limit.ALONG])
+    return limits[Limit.ACROSS] if sine < 1 - TIE else min(limits[Limit.ACROSS], limits[Limit.ALONG])
 
 
 @allocation_free

@@ -9,10 +9,9 @@ import numpy as np
 
 from rota.compiled.kernel import kernel
 from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_from_x
-from rota.planners.patrol.tolerances import ON_LINE_M
+from rota.planners.patrol.tolerances import ON_LINE_M, TIE
 
 SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
-ROUNDING = 1e-9  # of a sector: a wall that ends so near a border may reach across it
 
 
 @kernel(error_model="numpy")
@@ -64,7 +63,7 @@ def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any
         return
     if turn < 0:
         ux, uy, vx, vy, wx, wy, turn = vx, vy, ux, uy, -wx, -wy, -turn
-    first, last = math.floor(sectors_from_x(ux, uy) - ROUNDING), math.floor(sectors_from_x(vx, vy) + ROUNDING)
+    first, last = math.floor(sectors_from_x(ux, uy) - TIE), math.floor(sectors_from_x(vx, vy) + TIE)
     count = (last - first) % DEPTH_SECTORS + 1
     ends = math.sqrt(ux * ux + uy * uy), math.sqrt(vx * vx + vy * vy)
     inside = ux * wx + uy * wy < 0 < vx * wx + vy * wy

@@ -12,13 +12,13 @@ from shapely import Polygon
 
 from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
+from rota.planners.patrol.tolerances import TIE
 
 MANY = 500  # corners of all obstacles: with fewer, all are kept
 SMALL = 0.25  # of the reach: obstacles at most so wide are drawn with fewer corners
 GROWN = 0.01  # of the reach, by which they grow at most
 KEPT_OFF = 3.0  # times that: an obstacle nearer than a body's width and so much more to anything stays as it is
 SIDES = (4, 6, 8, 12, 16, 24)  # tried, the fewest first
-ROUNDING = 1e-9  # of the reach
 
 
 def with_fewer_corners(mission: Mission, reach_m: float, body_m: float) -> Mission:
@@ -68,7 +68,7 @@ def _with_fewest_sides(part: Polygon, reach_m: float) -> Polygon:
             break
         turn = 2 * math.pi / sides
         across = np.column_stack([np.cos(turn * np.arange(sides)), np.sin(turn * np.arange(sides))])
-        far_m = (across @ (corners - middle).T).max(axis=1) + ROUNDING * reach_m
+        far_m = (across @ (corners - middle).T).max(axis=1) + TIE * reach_m
         along_m = (np.roll(far_m, -1) - far_m * math.cos(turn)) / math.sin(turn)  # to where the next side begins
         vertices_m = middle + far_m[:, None] * across + along_m[:, None] * across[:, ::-1] * (-1, 1)
         if shapely.distance(part, shapely.points(vertices_m)).max() <= GROWN * reach_m:

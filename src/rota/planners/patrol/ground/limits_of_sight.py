@@ -16,6 +16,7 @@ from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.model.mission import Robot
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.ground.sight import sensor_arguments
+from rota.planners.patrol.tolerances import BESIDE_M
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +24,6 @@ ARC_STEPS = 64  # per quarter of a circle
 NEAR = 0.98  # of the reach: what is so near is in range, whatever chords cut off
 FEW_CORNERS = 1_000  # of a space: what is in its range is soon worked out
 MOST_SQUARES = 50_000  # in which it is told whether all of a shape is near
-LIMIT_INSET_M = 0.001  # how far inside of the limit its samples lie: legs that see them run along the very border
 
 
 def area_in_range(space: MultiPolygon, robot: Robot, short_m: float) -> BaseGeometry:
@@ -83,7 +83,7 @@ def limit_points(
     A second line of them lies half a margin inside. Ground hardly wider than twice the reach has no limit of sight,
     and yet is seen from its border only. Their shrink is still to be fitted to where they are seen from.
     """
-    insets_m = (min(LIMIT_INSET_M, range_margin_m / 8), range_margin_m / 2)
+    insets_m = (min(BESIDE_M, range_margin_m / 8), range_margin_m / 2)
     lines_of_points = [points_of(np.zeros((0, 2)), 0.0, 0, 0)]
     for inset_m in insets_m:
         border = area_in_range(space, robot, inset_m).boundary

@@ -13,8 +13,8 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
-from rota.planners.patrol.repair.last_places import ONE_PLACE_M, near_to, ways_to_hidden
-from rota.planners.patrol.tolerances import ON_LINE_M
+from rota.planners.patrol.repair.last_places import near_to, ways_to_hidden
+from rota.planners.patrol.tolerances import CUT_M, ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour, room_m
 
 Floats = NDArray[np.float64]
@@ -101,7 +101,7 @@ def with_detour(problem: Problem, tour: Tour, i: int, way_m: Floats) -> Tour:
     detour = problem.paths.paths_along(np.vstack([before, kept[:1], way_m, kept[1:], after]))[1:-1]
     # a timetable keeps but one of places so near each other; slivers of views lie beside each other on ragged ground
     away_m = np.hypot(*(vertices - way_m[len(way_m) // 2]).T)
-    replaced = (len(way_m) == 1) & (away_m > 0) & (away_m < ONE_PLACE_M) & problem.is_ragged & (tour.nest < 0)
+    replaced = (len(way_m) == 1) & (away_m > 0) & (away_m < CUT_M) & problem.is_ragged & (tour.nest < 0)
     longer = np.vstack([vertices[: i + 1][~replaced[: i + 1]], detour, vertices[i + 1 :][~replaced[i + 1 :]]])
     return replace(tour, vertices_m=longer)
 

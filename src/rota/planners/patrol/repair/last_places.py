@@ -18,13 +18,12 @@ from rota.planners.patrol.ground.samples import SamplePoints, lay_out
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoints import place_that_sees, what_places_see
-from rota.planners.patrol.tolerances import INSIDE_M, SAME_PLACE_M
+from rota.planners.patrol.tolerances import CUT_M, INSIDE_M, SAME_PLACE_M
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
 HALVINGS = 6  # of that way, where something stands in it
@@ -61,7 +60,7 @@ def ways_to_hidden(problem: Problem, tours: Sequence[Tour], hidden: SamplePoints
 
 def near_to(vertices_m: Floats, place_m: Floats) -> Floats:
     """The vertices (k, 2) of some (n, 2) that count as one place with this one."""
-    return np.asarray(vertices_m[np.hypot(*(vertices_m - place_m).T) < ONE_PLACE_M])
+    return np.asarray(vertices_m[np.hypot(*(vertices_m - place_m).T) < CUT_M])
 
 
 def off_vertices(problem: Problem, vertices_m: Floats, point_m: Floats, place_m: Floats) -> Floats:
@@ -73,7 +72,7 @@ def off_vertices(problem: Problem, vertices_m: Floats, point_m: Floats, place_m:
     near_m = near_to(vertices_m, place_m)
     if not len(near_m):
         return place_m
-    apart_m = border_place(problem, point_m, off=shapely.multipoints(near_m).buffer(2 * ONE_PLACE_M))
+    apart_m = border_place(problem, point_m, off=shapely.multipoints(near_m).buffer(2 * CUT_M))
     return place_m if apart_m is None else apart_m
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
 from rota.planners.patrol.driving.polylines import keeps_radius, timeable
-from rota.planners.patrol.tolerances import HAIR_M
+from rota.planners.patrol.tolerances import HAIR_M, TO_SPARE
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
     STEP_RAD,
@@ -29,7 +29,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 HEADINGS = 24  # in which a curve may pass a vertex, beside those along the nearest wall
-RADIUS_TO_SPARE = 1 + 1e-3  # arcs are planned so much wider, so that legs too short to be timed never show
 
 STRAIGHTENINGS = 4  # of an approach's beginning, which may have any heading
 
@@ -60,14 +59,14 @@ def closed_curve(
     are moved by up to the radius or left out, as far as that helps. One vertex is gone round, or stood at where there
     is no room to go round it.
     """
-    curve = _Curve(timeable(vertices_m), radius_m * RADIUS_TO_SPARE, grid, closed=True)
+    curve = _Curve(timeable(vertices_m), radius_m * (1 + TO_SPARE), grid, closed=True)
     for _ in range(2 * len(vertices_m)):
         eased = curve.ease() if len(curve.points_m) > 1 and not should_stop() else None
         if eased is None:
             break
         curve = eased
     if len(curve.points_m) == 1:
-        return _circle(curve.points_m[0], radius_m * RADIUS_TO_SPARE, grid)
+        return _circle(curve.points_m[0], radius_m * (1 + TO_SPARE), grid)
     return curve.corners_m()[1:-1]
 
 
@@ -79,7 +78,7 @@ def approach_curve(line_m: Floats, radius_m: float, grid: EdgeGrid, onward_m: Fl
     line_m = line_m[np.r_[True, (np.diff(line_m, axis=0) != 0).any(axis=1)]]
     if len(line_m) == 1:
         return line_m
-    curve = _Curve(line_m, radius_m * RADIUS_TO_SPARE, grid, closed=False)
+    curve = _Curve(line_m, radius_m * (1 + TO_SPARE), grid, closed=False)
     if onward_m is not None:
         curve.end_towards(onward_m)
     for _ in range(STRAIGHTENINGS):

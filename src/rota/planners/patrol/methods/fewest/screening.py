@@ -27,10 +27,10 @@ def screen(context: Context, candidates: list[Allocation], *, seed: int) -> list
     nested = [allocation for allocation in candidates if allocation.nested]
     nested = choose_nested(context, nested[: max(half, settings.nested_allocations)], half, seed=seed)
     candidates = [*[allocation for allocation in candidates if not allocation.nested][:half], *nested]
-    several_seeds = context.settings.multistart.seeds > 1
+    is_thorough = context.settings.multistart.is_thorough
     searches = anneal_all(
         context, [allocation.tours for allocation in candidates],
-        moves=settings.moves, seed=seed, coarse=several_seeds,
+        moves=settings.moves, seed=seed, coarse=is_thorough,
     )  # fmt: skip
     ranked: list[tuple[float, list[Tour]]] = []
     for allocation, search in zip(candidates, searches, strict=True):
@@ -41,7 +41,7 @@ def screen(context: Context, candidates: list[Allocation], *, seed: int) -> list
             ranked.append((factor * search.shortfall_m, search.tours))
     ranked.sort(key=lambda pair: pair[0])
     least_m = min((shortfall_m for shortfall_m, _ in ranked), default=0.0)
-    most_m = settings.multistart_limit * least_m if several_seeds else math.inf
+    most_m = settings.multistart_limit * least_m if is_thorough else math.inf
     return [tours for shortfall_m, tours in ranked if shortfall_m <= most_m]
 
 

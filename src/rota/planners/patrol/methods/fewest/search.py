@@ -18,7 +18,6 @@ from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.verdict import never_seen
 
-WORK: dict[Effort, float] = {"quick": 1.0, "normal": 2.0, "high": 6.0}  # time that each takes, measured on the harbour
 SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
 NEAR = 2  # more robots than likely: from there, a team of one robot less is as good a first try as the likely one
 
@@ -32,10 +31,12 @@ def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
     asked = context.problem.mission
     names = list(EFFORTS)
     efforts = names[: names.index(PatrolSettings.of(asked).effort) + 1]
-    whole, done = sum(WORK[effort] for effort in efforts), 0.0
+    # of the time that all take, measured on the harbour, each takes as much as its annealings have seeds
+    work = {effort: EFFORTS[effort].multistart.seeds for effort in efforts}
+    whole, done = sum(work.values()), 0.0
     for effort in efforts:
         own = context if effort == PatrolSettings.of(asked).effort else with_less_effort(context, effort)
-        begun, done = done, done + WORK[effort] / whole
+        begun, done = done, done + work[effort] / whole
         best = reduce_team(replace(own, progress=share_of_progress(context.progress, begun, done)), best)
         if context.should_stop() or (best.met and best.robots <= context.enough_robots):
             break

@@ -138,7 +138,7 @@ def fullest(grouping: PeriodGrouping) -> float:
 def with_stretch(context: Context, stretch: float, team: Team, best: Reached | None) -> Reached | None:
     """A plan for so much longer periods that passes, or None: from the best tours so far, or from new ones.
 
-    New ones are not begun for the sake of a little less, unless annealings have several seeds.
+    New ones are begun for the sake of a little less only where the settings are thorough.
     """
     problem = stretch_periods(context.problem, stretch)
     robots, settings = team.robots, context.settings
@@ -154,7 +154,7 @@ def with_stretch(context: Context, stretch: float, team: Team, best: Reached | N
         repaired = next((result for result in attempts if result is not None), None)
         if repaired is not None and repaired.robots == robots:
             return reach_of(repaired, stretch)
-        if not (settings.multistart.seeds > 1 or stretch == 1.0):
+        if not (settings.multistart.is_thorough or stretch == 1.0):
             return None
     groupings = period_groupings(problem, settings.allocation.groupings)
     repaired = plan_with_team_size(context, groupings, robots, least_slack=settings.allocation.least_slack)

@@ -19,7 +19,8 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.methods.sweeping.lanes import SHARED_M, Swath, ground_turned, polygons, shared_m, slab
+from rota.planners.patrol.methods.sweeping.lanes import Swath, ground_turned, polygons, shared_m, slab
+from rota.planners.patrol.tolerances import BESIDE_M, CUT_M
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +28,6 @@ MOST_LANES = 24  # side by side in one row
 MOST_SHARING = 16  # robots of one column: each drives all of it, and what there is to check grows with their square
 NARROWEST = 2.0  # widths of a lane that a column is wide at least
 ROOMY = 4.0  # body radii that half a lane is wide at least where robots share a loop
-CLEAR_M = 1e-3  # between the bodies of robots at a border of columns, each on its side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class RowMeasures:
 def row_measures(problem: Problem, swath: Swath, budget_m: float) -> RowMeasures:
     """Rows for the mission's robot. Lanes are so much narrower than its swath that bodies stay in their columns."""
     body_m = problem.robot.body_radius_m
-    apart_m = body_m + CLEAR_M if body_m > 0 else 0.0
+    apart_m = body_m + BESIDE_M if body_m > 0 else 0.0
     offsets = np.linspace(swath.half_m, 0.0, 501)
     fitting = offsets[swath.chords_m(offsets)[1] >= apart_m]
     half_m = float(fitting[0]) if len(fitting) else swath.half_m
@@ -127,7 +127,7 @@ def chains(shape: MultiPolygon, edges_m: Floats) -> Iterator[tuple[int, list[Pol
     growing: list[tuple[int, list[Polygon]]] = []
     for pair in range(len(edges_m) // 2):
         parts = slab(shape, edges_m[2 * pair], edges_m[2 * pair + 2])
-        touches = np.array([[shared_m(part, chain[-1]) > SHARED_M for _, chain in growing] for part in parts])
+        touches = np.array([[shared_m(part, chain[-1]) > CUT_M for _, chain in growing] for part in parts])
         touches = touches.reshape(len(parts), len(growing))
         now: list[tuple[int, list[Polygon]]] = []
         for part, row in zip(parts, touches, strict=True):

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from rota.planners.patrol.methods.sun2019.cheapest_kernels import cheapest_partition
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TooFew
 from rota.planners.patrol.methods.sun2019.partition_kernels import (
-    TIE,
     Layers,
     Ring,
     best_partition,
@@ -29,6 +28,7 @@ from rota.planners.patrol.methods.sun2019.partition_kernels import (
 )
 from rota.planners.patrol.methods.sun2019.pso import rules_of, swarm_partition
 from rota.planners.patrol.methods.sun2019.pso_kernels import cost_of
+from rota.planners.patrol.tolerances import TIE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

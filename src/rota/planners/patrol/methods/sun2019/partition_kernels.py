@@ -11,8 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
-
-TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
+from rota.planners.patrol.tolerances import TIE
 
 
 class Ring(NamedTuple):

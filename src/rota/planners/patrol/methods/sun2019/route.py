@@ -20,12 +20,10 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.methods.sun2019.partition import Partition
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.tour import Frame
+from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-TOUCH_M = 1e-6  # so near a segment, a part of its widened shape belongs to it
-STRAIGHT_M = 1e-9  # corners that bend less tell nothing
 
 
 def segment_line(frame: Frame, partition: Partition, segment: int, *, joining_legs: bool) -> Floats:
@@ -81,7 +79,7 @@ def borders_of(widened: BaseGeometry, line: LineString | Point, space: BaseGeome
     """The rings (n, 2) that the route round a widened segment follows, first the outer ring of its largest part."""
     parts = [part for part in shapely.get_parts(widened) if isinstance(part, Polygon)]
     if len(parts) > 1:
-        parts = [part for part in parts if part.distance(line) < TOUCH_M]
+        parts = [part for part in parts if part.distance(line) < HAIR_M]
         parts = sorted(parts, key=lambda part: -float(part.area))
     return [ring for part in parts for ring in rings_of(part, space, hole_m2=hole_m2)]
 
@@ -89,7 +87,7 @@ def borders_of(widened: BaseGeometry, line: LineString | Point, space: BaseGeome
 def rings_of(part: Polygon, space: BaseGeometry, *, hole_m2: float) -> list[Floats]:
     """The outer ring (n, 2) of a widened segment, and the inner ones round more than hole_m2 of the space."""
     holes = [ring for ring in part.interiors if shapely.intersection(Polygon(ring), space).area > hole_m2]
-    simple = [shapely.simplify(ring, STRAIGHT_M) for ring in (part.exterior, *holes)]
+    simple = [shapely.simplify(ring, SAME_PLACE_M) for ring in (part.exterior, *holes)]
     return [shapely.get_coordinates(ring)[:-1] for ring in simple]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rota.errors import MissionError
+from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeployMethod, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
@@ -42,7 +43,6 @@ BEST: dict[Effort, tuple[DeployMethod, ...]] = {
     "quick": ("greedy",), "normal": ("greedy", "exact"), "high": ("greedy", "exact", "ccpso2"),
 }  # fmt: skip
 FRAMES: dict[Effort, int] = {"quick": 1, "normal": 2, "high": 4}
-REPAIRS: dict[Effort, int] = {"quick": 12, "normal": 20, "high": 30}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
@@ -62,5 +62,5 @@ def stage_settings(stages: Sun2019, effort: Effort) -> MethodSettings:
         frames=FRAMES[effort],
         tour=TourSettings(method=stages.tour, **vars(stages.frame)),
         partition=partition,
-        route=RouteSettings(routes=stages.routes, repairs=REPAIRS[effort]),
+        route=RouteSettings(routes=stages.routes, repairs=EFFORTS[effort].repair.rounds),
     )

@@ -9,8 +9,7 @@ import numpy as np
 
 from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import EdgeGrid, point_in_space, point_sees_point
-
-HAIR = 1e-9  # of a length: what is nearer to a wall, or to the end of the reach, is settled with care, or in favour
+from rota.planners.patrol.tolerances import TIE
 
 
 class CellTable(NamedTuple):
@@ -55,7 +54,7 @@ class Ground(NamedTuple):
 def corner_in_sight(ax: float, ay: float, bx: float, by: float, first: int, last: int, ground: Ground) -> bool:
     """Whether the line from a sensor a to a corner b meets the inside of no obstacle; walls first..last are near."""
     ux, uy = bx - ax, by - ay
-    hair_of_line = 4.0 * HAIR * (abs(ux) + abs(uy))
+    hair_of_line = 4.0 * TIE * (abs(ux) + abs(uy))
     edges = ground.walls.edges
     for n in range(first, last):
         k = ground.wall_item[n]
@@ -64,7 +63,7 @@ def corner_in_sight(ax: float, ay: float, bx: float, by: float, first: int, last
         if (p > hair_of_line and q > hair_of_line) or (p < -hair_of_line and q < -hair_of_line):
             continue
         wx, wy = qx - px, qy - py
-        hair = 4.0 * HAIR * (abs(wx) + abs(wy))
+        hair = 4.0 * TIE * (abs(wx) + abs(wy))
         a, b = wx * (ay - py) - wy * (ax - px), wx * (by - py) - wy * (bx - px)
         if min(a, b) > hair or (min(a, b) < -hair and max(a, b) <= hair):
             continue  # on one side of the wall, or one end on the wall and the other on its free side
@@ -83,7 +82,7 @@ def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: An
     known[0] += 1
     mark = 2 * known[0]
     reach = ground.reach_m
-    most = reach * reach * (1.0 + HAIR)
+    most = reach * reach * (1.0 + TIE)
     column = min(max(int((px - ground.x0) / ground.bucket_m), 0), ground.columns - 1)
     row = min(max(int((py - ground.y0) / ground.bucket_m), 0), ground.rows - 1)
     bucket = row * ground.columns + column

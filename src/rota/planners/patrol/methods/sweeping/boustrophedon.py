@@ -7,7 +7,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from rota.planners.patrol.methods.sweeping.lanes import GRID_M, SHARED_M, polygons, shared_m, slabs
+from rota.planners.patrol.methods.sweeping.lanes import GRID_M, polygons, shared_m, slabs
+from rota.planners.patrol.tolerances import CUT_M
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +48,7 @@ def shared_borders(parts: list[Polygon], others: list[Polygon]) -> NDArray[np.bo
         other_spans[None, :, 0] < spans[:, None, 2]
     )
     for i, j in np.argwhere(shared):
-        shared[i, j] = shared_m(parts[i], others[j]) > SHARED_M
+        shared[i, j] = shared_m(parts[i], others[j]) > CUT_M
     return shared
 
 

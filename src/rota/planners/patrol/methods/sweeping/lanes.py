@@ -17,14 +17,12 @@ from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Sensor
 from rota.model.polygons import polygons_of
-from rota.planners.patrol.tolerances import HAIR_M, ON_LINE_M, SLIVER_M2
+from rota.planners.patrol.tolerances import BESIDE_M, HAIR_M, ON_LINE_M, SAME_PLACE_M, SLIVER_M2
 
 Floats = NDArray[np.float64]
 
-GRID_M, FINE_GRID_M = 1e-7, 1e-9
-SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
+GRID_M = 1e-7
 FEW_CORNERS = 100  # of a shape: with more it is halved before it is cut into slabs, each of which costs all corners
-BAND_MARGIN_M = 1e-3  # by which a band of the space is higher than its strip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +85,7 @@ def common_part(one: BaseGeometry, other: BaseGeometry) -> BaseGeometry:
     except shapely.GEOSException:
         # borders that nearly coincide, or cross themselves by rounding: corners within what counts as touching
         valid = shapely.make_valid(np.array([one, other]), method="structure", keep_collapsed=False)
-        return off_grid(shapely.intersection(*valid, grid_size=FINE_GRID_M))
+        return off_grid(shapely.intersection(*valid, grid_size=SAME_PLACE_M))
 
 
 def turning(angle_rad: float) -> Floats:
@@ -129,7 +127,7 @@ def bands(space: BaseGeometry, heights_m: list[float]) -> list[BaseGeometry]:
     left, _, right, _ = space.bounds
     found: list[BaseGeometry] = []
     for part in (heights_m[: middle + 1], heights_m[middle:]):
-        box = shapely.box(left - 1, part[0] - BAND_MARGIN_M, right + 1, part[-1] + BAND_MARGIN_M)
+        box = shapely.box(left - 1, part[0] - BESIDE_M, right + 1, part[-1] + BESIDE_M)
         found += bands(common_part(space, box), part)
     return found
 
@@ -178,7 +176,7 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
         return pieces
     # edges of rounding length would turn what is no corner into one, and block the way past it
     parts = polygons(common_part(part, space))
-    room = MultiPolygon([shapely.remove_repeated_points(one, FINE_GRID_M) for one in parts])
+    room = MultiPolygon([shapely.remove_repeated_points(one, SAME_PLACE_M) for one in parts])
     if not pieces:
         if room.is_empty:
             return []

@@ -37,8 +37,8 @@ from rota.planners.patrol.methods.sweeping.wide_turn_routes import Route, length
 from rota.planners.patrol.repair.detours import near_places
 from rota.planners.patrol.repair.repair import Repaired, judged
 from rota.planners.patrol.repair.seeing import annealing_of
+from rota.planners.patrol.tolerances import TO_SPARE
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M
-from rota.planners.patrol.tours.curves import RADIUS_TO_SPARE
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -121,7 +121,7 @@ def best_route(problem: Problem, ground: SweepGround) -> Route | None:
 
     Ground that a route does not see is charged for: pieces of their own take long to lead there.
     """
-    radius_m = problem.robot.turn_radius_m * RADIUS_TO_SPARE
+    radius_m = problem.robot.turn_radius_m * (1 + TO_SPARE)
     dearer = 50.0  # times the length of lane that the ground takes: what pieces for it alone take at worst
     best: tuple[float, Route] | None = None
     for pieces in layouts(problem, ground, radius_m):

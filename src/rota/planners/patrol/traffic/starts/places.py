@@ -12,11 +12,11 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.model.mission import StartBox
+from rota.planners.patrol.tolerances import TO_SPARE
 
 Floats = NDArray[np.float64]
 
 MOST_CANDIDATES = 4_000  # places that are looked at together
-BODY_SPACING = 1.001  # than touching
 
 
 def spread_in_box(
@@ -30,7 +30,7 @@ def spread_in_box(
     ground = shapely.box(*box.low_m, *box.high_m).intersection(part)
     places = candidates(ground, body_radius_m)
     barred = np.zeros((0, 2)) if taken_m is None else taken_m
-    apart_m = 2 * body_radius_m * BODY_SPACING
+    apart_m = 2 * body_radius_m * (1 + TO_SPARE)
     if not len(places) or robots == 0:
         return np.zeros((0, 2))
     spread = farthest_first(places, barred, robots, apart_m)
@@ -47,7 +47,7 @@ def candidates(ground: BaseGeometry, body_radius_m: float) -> Floats:
     step = max(math.sqrt(wide * high / MOST_CANDIDATES), longest / MOST_CANDIDATES)
     if body_radius_m > 0:
         # rows two bodies apart must be among them, or a full box is packed badly
-        pitch = 2 * body_radius_m * BODY_SPACING
+        pitch = 2 * body_radius_m * (1 + TO_SPARE)
         step = max(pitch / math.ceil(pitch / step), pitch / 8) if step < pitch else pitch
     if step == 0:
         return np.array([[x0, y0]])
