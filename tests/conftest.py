@@ -19,7 +19,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # two workers begin with one half of the tests each: patrol's kernels, a minute's work, are compiled by the first one
-# while the other has swarms, the check and bounces to do
+# while the other has the check and bounces to do; who is done takes from the end of the other's, where no browser is
 ORDER = (
     "planners/patrol",
     "files",
@@ -28,6 +28,8 @@ ORDER = (
     "check",
     "planners/bounce",
     "draw",
+    "web",
+    "playback",
     "studies",
     "command",
 )
