@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cache
 from numbers import Real
 from typing import Any
 
@@ -72,13 +73,24 @@ def in_file_form(block: Any, other: Callable[[Any], Any] = lambda value: value, 
 
 def _is_at_default(block: Any, item: Field) -> bool:
     """Whether a field, and all that are spared with it, is at its default."""
-    together = item.spared if isinstance(item.spared, tuple) else (item.name,)
-    values = [(getattr(block, each.name), each.default) for each in fields_of(type(block)) if each.name in together]
-    return all(value is usual or (not isinstance(value, np.ndarray) and value == usual) for value, usual in values)
+    for name, usual in _defaults_together(block.__class__, item.name):
+        if (value := getattr(block, name)) is not usual and (isinstance(value, np.ndarray) or value != usual):
+            return False
+    return True
+
+
+@cache
+def _defaults_together(kind: type, name: str) -> tuple[tuple[str, Any], ...]:
+    """The names and defaults of the fields that are spared with a field of a type of block."""
+    (item,) = (each for each in fields_of(kind) if each.name == name)
+    together = item.spared if isinstance(item.spared, tuple) else (name,)
+    return tuple((each.name, each.default) for each in fields_of(kind) if each.name in together)
 
 
 def _value_as_written(item: Field, value: Any, other: Callable[[Any], Any]) -> Any:
     """A value of a field in a file."""
+    if type(value) is float and item.kind == "number":
+        return value  # most are
     if value is None:
         return item.null_word
     if isinstance(value, np.ndarray):
