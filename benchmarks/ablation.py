@@ -88,8 +88,8 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 MECHANISMS = (
     Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
-    Mechanism("tightening", (f"{REPAIR}.tightened",), second, always),
-    Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),
+    Mechanism("tightening", (f"{REPAIR}.tighten",), second, always),
+    Mechanism("rerouting for bodies", (f"{REPAIR}.lead_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), second, changed),
     Mechanism("detours", (f"{PATROL}.repair.seeing.visit_places",), lambda *_: None, is_there),
     Mechanism("repair of tours over their budgets", stage="repair", values={"over_budget_limit": 0.0}),

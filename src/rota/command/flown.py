@@ -107,7 +107,7 @@ class ByVehicle:
 
     def remarks(self, planned: Plan, report: Report) -> list[str]:
         """What lapses by how much, and what would help."""
-        from rota.vehicles.straight_ways import straightened
+        from rota.vehicles.straight_ways import straighten_ways
 
         lines = []
         lapsed = [d for d in report.demands if d.outcome == "violated" and d.worst_gap_at_least_s > d.period_s]
@@ -133,7 +133,7 @@ class ByVehicle:
             fewer = ""
             for each in (self.vehicle, *_quicker_presets(self.vehicle)):
                 if not planned.heeds_motion:
-                    straight = straightened(planned, STRAIGHT_M)
+                    straight = straighten_ways(planned, STRAIGHT_M)
                     fewer = (
                         f", {_factor(straight, each):.1f} times without points on straight ways (rota straighten,"
                         f" {STRAIGHT_M:g} m)"

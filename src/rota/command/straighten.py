@@ -37,7 +37,7 @@ def straighten(
 ) -> None:
     """Leave out the points of a plan on straight ways."""
     from rota.check import check_plan
-    from rota.vehicles.straight_ways import straightened
+    from rota.vehicles.straight_ways import straighten_ways
 
     require_target(output, source=plan)
     answer = read_plan_argument(plan)
@@ -45,7 +45,7 @@ def straighten(
     mention_compiling(*compiled_packages(answer.mission))
     with saying_when_interrupted("no plan: it is not checked to the end"):
         for off_m in tried_m:
-            made = straightened(answer, off_m)
+            made = straighten_ways(answer, off_m)
             verdict = OwnThread(partial(check_plan, made)).do_work().verdict
             if verdict == "met":
                 break

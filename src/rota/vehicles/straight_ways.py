@@ -13,7 +13,7 @@ from rota.routes.route import route_of
 from rota.vehicles.track_kernels import kept_samples
 
 
-def straightened(plan: Plan, within_m: float) -> Plan:
+def straighten_ways(plan: Plan, within_m: float) -> Plan:
     """The plan with fewer timed points: at any moment each robot is within so many metres of where it was to be.
 
     Rounds take as long, waits stay, and no leg is faster. So a plan that is met with a range reserve of ``within_m``

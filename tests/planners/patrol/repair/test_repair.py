@@ -19,7 +19,7 @@ from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.detours import least_detour
 from rota.planners.patrol.repair.repair import repair_until_feasible, shorter_m, with_tight_margin
-from rota.planners.patrol.repair.seeing import led_to_the_rest
+from rota.planners.patrol.repair.seeing import lead_to_the_rest
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 
@@ -150,4 +150,4 @@ def test_what_is_to_stop_is_judged_as_it_is() -> None:
     left = repair_until_feasible(stopped, [tour], no_points(), may_add=True, rounds=3)
     assert not left.met  # the middle is out of sight
     np.testing.assert_array_equal(left.tours[0].vertices_m, ring)
-    assert led_to_the_rest(stopped, [tour], given.points, given.samples, seed=0) == [tour]
+    assert lead_to_the_rest(stopped, [tour], given.points, given.samples, seed=0) == [tour]

@@ -14,7 +14,7 @@ from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.samples import SamplePoints, lay_out, points_of
 from rota.planners.patrol.repair.repair import seeing_missed
-from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest
+from rota.planners.patrol.repair.seeing import annealing_of, lead_to_the_rest
 from rota.planners.patrol.tours.tour import Tour
 
 SCREENS = [box(x, y, x + 3.0, y + 0.5) for x in (2.0, 8.0) for y in (3.0, 8.0)]
@@ -52,7 +52,7 @@ def test_detours_lead_to_all_samples_and_go_through_no_wall(hall: Context) -> No
     points, samples = prepare_with(hall.problem, no_points())
     tours = [short_tour(hall)]
     assert unseen(hall, tours, points) > 100
-    longer = led_to_the_rest(hall, tours, points, samples, seed=0)
+    longer = lead_to_the_rest(hall, tours, points, samples, seed=0)
     assert unseen(hall, longer, points) == 0
     ring = shapely.linestrings(np.vstack([longer[0].vertices_m, longer[0].vertices_m[:1]]))
     assert shapely.covers(hall.problem.space.buffer(1e-6), ring)

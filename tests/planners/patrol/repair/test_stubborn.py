@@ -17,7 +17,7 @@ from rota.planners.patrol.ground.nooks import nooks_of
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import points_of
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.repair.stubborn import asked_again
+from rota.planners.patrol.repair.stubborn import ask_again
 
 SLAB = box(4.0, 4.0, 6.0, 4.5)
 
@@ -57,11 +57,11 @@ def test_on_ragged_ground_one_of_each_crowd_that_was_asked_for_is_asked_again(
 ) -> None:
     asked = near_slab((5.0, 3.99), (8.0, 8.0))
     new = near_slab((5.005, 3.99), (5.01, 3.98), (2.0, 2.0))
-    assert len(asked_again(hall, asked, new)) == 0  # the ground is smooth
+    assert len(ask_again(hall, asked, new)) == 0  # the ground is smooth
     monkeypatch.setattr(ground_problem, "MOST_DENSE", 0)
     ragged = dataclasses.replace(hall)
     assert ragged.is_ragged
-    again = asked_again(ragged, asked, new)
+    again = ask_again(ragged, asked, new)
     assert len(again) == 1
     assert tuple(again.xy_m[0]) in [(5.005, 3.99), (5.01, 3.98)]
-    assert len(asked_again(ragged, no_points(), new)) == 0
+    assert len(ask_again(ragged, no_points(), new)) == 0

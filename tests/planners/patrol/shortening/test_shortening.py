@@ -20,7 +20,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.shortening import search
 from rota.planners.patrol.shortening.measures import is_better, loops_m, rounds_of, turning_rad
-from rota.planners.patrol.shortening.search import reaches, repaired_for_length, shortened_further, with_better_loops
+from rota.planners.patrol.shortening.search import reaches, repair_for_length, shortened_further, with_better_loops
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -110,9 +110,9 @@ def test_an_attempt_ends_once_its_loops_are_too_long(context: Context, found: Re
 
     own = replace(context, judge=judge)
     short = [replace(found.tours[0], vertices_m=np.array([[1.5, 1.5], [22.5, 1.5], [22.5, 16.5], [1.5, 16.5]]))]
-    repaired_for_length(own, found.tours, short)  # more than twice as long from the start
+    repair_for_length(own, found.tours, short)  # more than twice as long from the start
     assert len(judged) == 1
-    repaired_for_length(own, short, found.tours)
+    repair_for_length(own, short, found.tours)
     assert len(judged) > 2
 
 

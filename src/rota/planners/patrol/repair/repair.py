@@ -26,8 +26,8 @@ from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays, past_where_they_wait
 from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
-from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
-from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
+from rota.planners.patrol.repair.seeing import annealing_of, lead_to_the_rest, see_the_rest
+from rota.planners.patrol.repair.stubborn import ask_again, visiting_stubborn
 from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.tours.curves import curve_tours
 from rota.planners.patrol.tours.timetable import as_trajectories, begin_by_autopilots
@@ -141,7 +141,8 @@ def repair_until_feasible(
             break
         excess = over_budget_share(tours)
         goes_on_over_budget = bends and excess <= settings.over_budget_limit
-        repaired = judged(context, tours, extra, turn, bends=bends, eased_by=2 * excess if goes_on_over_budget else 0.0)
+        eased_by = 2 * excess if goes_on_over_budget else 0.0
+        repaired = judge_tours(context, tours, extra, turn, bends=bends, eased_by=eased_by)
         new = repaired.extra[np.arange(len(extra), len(repaired.extra))]
         if may_add and context.problem.is_ragged and len(new):
             context = replace(context, problem=with_room_to_see(context.problem, new.xy_m))
@@ -152,13 +153,13 @@ def repair_until_feasible(
         if (not may_add and excess > 0 and not goes_on_over_budget) or (bends and hardly_falls(context.problem, unmet)):
             break
         if len(new):
-            again = new if stuck else asked_again(context.problem, extra, new)
+            again = new if stuck else ask_again(context.problem, extra, new)
             extra = repaired.extra
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
             led_elsewhere = False
             continue
         # all is seen, but bodies touch
-        apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_REROUTES else None
+        apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_REROUTES else None
         if apart is None:
             break
         tours, reroutes, stuck, led_elsewhere = apart, reroutes + 1, 0, True
@@ -181,12 +182,12 @@ def seeing_all(
     if context.should_stop():
         return [with_robots(tour) for tour in tours] if may_add else tours
     points, samples = prepare_with(problem, extra)
-    lead = bent if bends else see_the_rest
+    lead = bend if bends else see_the_rest
     tours = lead(context, tours, points, samples, seed=seed)
     if may_add:
         return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
     if not bends and over_budget_share(tours) > 0:
-        return tightened(context, tours, samples, seed=seed)
+        return tighten(context, tours, samples, seed=seed)
     return tours
 
 
@@ -200,11 +201,11 @@ def seeing_missed(context: Context, tours: list[Tour], missed: SamplePoints, *, 
     if not len(missed):
         return tours
     points, samples, _ = lay_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
-    tours = led_to_the_rest(context, tours, points, samples, seed=seed)
+    tours = lead_to_the_rest(context, tours, points, samples, seed=seed)
     return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
 
 
-def judged(
+def judge_tours(
     context: Context, tours: list[Tour], extra: SamplePoints, turn: int, *, bends: bool, eased_by: float
 ) -> Repaired:
     """The tours with their plan and its verdict, and what the judge finds unmet among the extra points.
@@ -239,14 +240,14 @@ def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
     return points[np.concatenate([np.unique(seen), further]).astype(np.int64)]
 
 
-def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
+def bend(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
     bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     # detours are dear: moves make them shorter first
     if bending.some_far and driving_of(problem.robot).slopes is not None:
         tours = see_the_rest(context, tours, points, samples, seed=seed)
-        tours = tightened(context, tours, samples, seed=seed)
+        tours = tighten(context, tours, samples, seed=seed)
         bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
@@ -272,7 +273,7 @@ def with_tight_margin(context: Context, tours: Sequence[Tour]) -> Problem:
     return replace(problem, range_margin_m=context.settings.repair.tight_range_margin * problem.range_margin_m)
 
 
-def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
+def lead_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
     """The tours led another way, so that bodies can be kept apart; None when no bodies touch, or no way was found."""
     if not any(fault.kind == "bodies touch" for fault in verdict.violations):
         return None
@@ -302,7 +303,7 @@ def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool
     return further_m + settings.roomy_bend_growth * turn * problem.range_margin_m
 
 
-def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
+def tighten(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
     """The tours made shorter by moves too small to lose anything that is seen, at hardly any heat.
 
     Seeing weighs twenty times as much as usual; a hundredth of the budgets is to be left, which detours take again.

@@ -21,10 +21,10 @@ def see_the_rest(
     """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
     search = annealing_of(context, tours, samples, length_weight=0.3, seed=seed)  # metres are cheap
     search.see_more(500 + 40 * search.unseen, context.should_stop)
-    return led_to_the_rest(context, search.tours, points, samples, seed=seed, unseen=search.unseen_samples)
+    return lead_to_the_rest(context, search.tours, points, samples, seed=seed, unseen=search.unseen_samples)
 
 
-def led_to_the_rest(
+def lead_to_the_rest(
     context: Context,
     tours: list[Tour],
     points: SamplePoints,

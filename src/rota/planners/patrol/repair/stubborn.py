@@ -17,7 +17,7 @@ BESIDE, CROWD = 0.005, 0.05  # of the reach: as near is the same place, and as n
 MOST_OF_CROWD = 12  # points of one crowd that are looked at
 
 
-def asked_again(problem: Problem, extra: SamplePoints, new: SamplePoints) -> SamplePoints:
+def ask_again(problem: Problem, extra: SamplePoints, new: SamplePoints) -> SamplePoints:
     """Of each crowd of new points beside one that was asked for, the one that is seen from the least ground.
 
     The point that was asked for is seen by a hair at best, and so is a crowd. On ragged ground only: elsewhere most

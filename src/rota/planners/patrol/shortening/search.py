@@ -111,7 +111,7 @@ def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> R
     found = spikes(context.problem, plan.tours)
     if not found or context.should_stop():
         return plan
-    straight = repaired_for_length(context, without(plan.tours, found), plan.tours)
+    straight = repair_for_length(context, without(plan.tours, found), plan.tours)
     return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan
 
 
@@ -134,11 +134,11 @@ def annealed_and_repaired(
         if stage.coarse not in samples:
             sampling = settings.coarse if stage.coarse else settings.fine
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
-        tried = annealed_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
-    return repaired_for_length(context, as_they_were(tried, tours), tours)
+        tried = anneal_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
+    return repair_for_length(context, as_they_were(tried, tours), tours)
 
 
-def repaired_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
+def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
     """The tours after repairs by linear programs for which every metre counts; met or not.
 
     old: those that they are to be shorter than; once they are too long the repair ends. Tours are bent a hundredth of
@@ -157,7 +157,7 @@ def repaired_for_length(context: Context, tours: list[Tour], old: list[Tour]) ->
     )  # fmt: skip
 
 
-def annealed_for_length(
+def anneal_for_length(
     context: Context, tours: list[Tour], samples: Samples, stage: ShorteningStage, *, seed: int
 ) -> list[Tour]:
     """The tours after one annealing in which every metre that is driven costs a metre.
@@ -182,7 +182,7 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
     """The problem's ground as other samples, but for what these tours do not see at full reach: nobody can see that."""
     points, _ = points_of_regions(problem.regions, problem.space, problem.robot, sampling)
     points, samples, _ = lay_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
-    legs, places_m = layout.laid_out(tours, LONGEST_LEG * problem.reach_m)
+    legs, places_m = layout.lay_out_tours(tours, LONGEST_LEG * problem.reach_m)
     further_m = float(samples.shrink_m.max(initial=0.0))
     sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
     seen = sightings.range_deficit_m <= samples.shrink_m

@@ -16,7 +16,7 @@ from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSenso
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import SamplePoints, points_of, prepare
 from rota.planners.patrol.loop_settings import BendingSettings
-from rota.planners.patrol.repair.bending.layout import Layout, laid_out, sightings
+from rota.planners.patrol.repair.bending.layout import Layout, lay_out_tours, sightings
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.tours.tour import Tour, excesses, over_budget_share, tour_length_m
 
@@ -119,7 +119,7 @@ def test_within_the_budget_before_it_sees_what_it_cannot(field: Problem) -> None
     assert over_budget_share(search.tours) > 0.06
     search.run(60, should_stop=lambda: False)
     assert over_budget_share(search.tours) == 0
-    layout, places = laid_out(search.tours, 10.0)
+    layout, places = lay_out_tours(search.tours, 10.0)
     assert (look(field, layout, places, samples_at(field, corners)[1]) < 1e-6).all()
 
 
@@ -130,7 +130,7 @@ def test_a_nest_keeps_its_meeting_place_and_all_its_budgets(field: Problem) -> N
         tour(field, [[30, 30], [30, 55]], nest=2, robots=0),
         tour(field, [[5, 5], [55, 5]], period_class=0),
     ]
-    layout, places = laid_out(nest, 4.0)
+    layout, places = lay_out_tours(nest, 4.0)
     lengths = layout.lengths_m(places)
     assert lengths == pytest.approx([tour_length_m(one) for one in nest])
     assert layout.counts @ lengths - layout.budget_m == pytest.approx([over for over, _ in excesses(nest)])
@@ -150,7 +150,7 @@ def test_petals_keep_the_vertices_of_the_hub_at_which_they_begin(field: Problem)
         tour(field, [[20, 30], [30, 55]], nest=2, robots=0),
         tour(field, [[20, 30]], nest=2, robots=0),
     ]
-    layout, places = laid_out(nest, 4.0)
+    layout, places = lay_out_tours(nest, 4.0)
     lengths = layout.lengths_m(places)
     assert lengths == pytest.approx([tour_length_m(one) for one in nest])
     assert layout.counts @ lengths - layout.budget_m == pytest.approx([over for over, _ in excesses(nest)])
@@ -178,7 +178,7 @@ def test_what_others_nearly_see_is_handed_over_by_who_has_nothing_to_spare(field
     assert over_budget_share(search.tours) > 2e-4  # each keeps to what it sees best
     search.hand_over(60, should_stop=lambda: False)
     assert over_budget_share(search.tours) == 0
-    layout, places = laid_out(search.tours, 10.0)
+    layout, places = lay_out_tours(search.tours, 10.0)
     assert (look(field, layout, places, ends) < 1e-6).all()
     # with nobody to take it, everything stays as it is
     alone = Bending(field, tours[:1], ends, BENDING, reserve=1e-6)  # type: ignore[arg-type]
@@ -205,7 +205,7 @@ def test_who_sees_what_by_brute_force() -> None:
         problem = problem_of(box(25, 20, 35, 40), square=square)
         points, samples = samples_at(problem, rng.uniform(0, 60, (300, 2)))
         begun = tour(problem, [[12, 12], [22, 45], [48, 50], [44, 14]])
-        layout, places = laid_out([begun], 8.0)
+        layout, places = lay_out_tours([begun], 8.0)
         lack = look(problem, layout, places, samples)
         expected = brute_lack(problem, begun, points.xy_m, square)
         near = expected < 0.5

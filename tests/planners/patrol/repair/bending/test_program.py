@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from rota.model.mission import DiscSensor, Fleet
 from rota.planners.patrol.loop_settings import BendingSettings
-from rota.planners.patrol.repair.bending.layout import laid_out
+from rota.planners.patrol.repair.bending.layout import lay_out_tours
 from rota.planners.patrol.repair.bending.program import (
     BUDGET_PENALTY,
     Rows,
@@ -33,7 +33,7 @@ def test_as_good_as_with_every_limit(seed: int) -> None:
     ring_m = 20 * np.column_stack([np.cos(angles), np.sin(angles)]) + rng.normal(0, 1, (corners, 2))
     robot = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=3.0)).equal_robot("one")
     ring = Tour(vertices_m=ring_m, period_class=0, period_s=float(rng.uniform(105, 130)), robots=1, robot=robot)
-    layout, places_m = laid_out([ring], 1e3)
+    layout, places_m = lay_out_tours([ring], 1e3)
     leg = rng.integers(0, corners, samples)
     bearing = 2 * np.pi * rng.random(samples)
     towards = np.column_stack([np.cos(bearing), np.sin(bearing)])

@@ -23,7 +23,7 @@ def space_of(ground: Polygon) -> MultiPolygon:
     return MultiPolygon([ground.buffer(-BODY_M, join_style="mitre")])
 
 
-def led_apart(ground: Polygon, tours: Sequence[Tour], *, may_add: bool = False) -> list[Tour] | None:
+def lead_apart(ground: Polygon, tours: Sequence[Tour], *, may_add: bool = False) -> list[Tour] | None:
     space = space_of(ground)
     return reroute(tours, BODY_M, space, ShortestPaths(space), may_add=may_add)
 
@@ -43,7 +43,7 @@ def test_a_loop_that_two_robots_share_there_and_back_becomes_two_lanes() -> None
     # one behind the other on one line there and back: they meet head on, however they are timed
     shared = [tour([(0, 0), (20, 0)], 25.0, robots=2)]
     assert not can_be_timed(shared, BODY_M)
-    found = led_apart(WIDE, shared)
+    found = lead_apart(WIDE, shared)
     assert found is not None
     assert [one.robots for one in found] == [2]
     assert_drivable(WIDE, found)
@@ -74,7 +74,7 @@ def test_two_robots_that_come_towards_each_other_get_a_lane_each() -> None:
     # each goes to and fro on the whole line without time to wait: only side by side can they pass
     tours = [tour([(0, 0), (20, 0)], 44.0), tour([(20, 0), (0, 0)], 44.0)]
     assert not can_be_timed(tours, BODY_M)
-    found = led_apart(WIDE, tours)
+    found = lead_apart(WIDE, tours)
     assert found is not None
     assert [one.robots for one in found] == [1, 1]
     assert_drivable(WIDE, found)
@@ -82,7 +82,7 @@ def test_two_robots_that_come_towards_each_other_get_a_lane_each() -> None:
 
 def test_a_loop_that_robots_share_in_a_narrow_corridor_is_cut() -> None:
     for robots, period_s in ((2, 25.0), (3, 16.0), (4, 12.0)):
-        found = led_apart(NARROW, [tour([(0, 0), (20, 0)], period_s, robots=robots)])
+        found = lead_apart(NARROW, [tour([(0, 0), (20, 0)], period_s, robots=robots)])
         assert found is not None
         assert [one.robots for one in found] == [1] * robots
         assert_drivable(NARROW, found)
@@ -123,7 +123,7 @@ def test_a_tour_goes_round_a_robot_that_stays() -> None:
     tours = [tour([(0, 0), (20, 0)], 44.0), tour([(10, 0)], 44.0)]
     ground = box(-1, -3, 21, 3)
     assert not can_be_timed(tours, BODY_M)
-    found = led_apart(ground, tours)
+    found = lead_apart(ground, tours)
     assert found is not None
     assert [one.robots for one in found] == [1, 1]
     assert_drivable(ground, found)
@@ -136,8 +136,8 @@ def test_a_tour_goes_round_a_robot_that_stays() -> None:
 
 def test_a_robot_that_stays_in_a_corridor_parts_those_who_come_past() -> None:
     tours = [tour([(0, 0), (20, 0)], 44.0), tour([(10, 0)], 44.0)]
-    assert led_apart(NARROW, tours) is None  # with one robot on either side, that is one more
-    found = led_apart(NARROW, tours, may_add=True)
+    assert lead_apart(NARROW, tours) is None  # with one robot on either side, that is one more
+    found = lead_apart(NARROW, tours, may_add=True)
     assert found is not None
     assert sorted(one.robots for one in found) == [1, 1, 1]
     assert_drivable(NARROW, found)
@@ -146,4 +146,4 @@ def test_a_robot_that_stays_in_a_corridor_parts_those_who_come_past() -> None:
 
 def test_there_is_no_other_way_for_robots_that_do_not_fit() -> None:
     crammed = [tour([(0, 0)], 40.0), tour([(0.5, 0)], 40.0), tour([(0, 0), (1, 0)], 40.0)]
-    assert led_apart(box(-0.6, -0.6, 1.6, 0.6), crammed, may_add=True) is None
+    assert lead_apart(box(-0.6, -0.6, 1.6, 0.6), crammed, may_add=True) is None

@@ -35,7 +35,7 @@ from rota.planners.patrol.methods.sweeping.routes import (
 from rota.planners.patrol.methods.sweeping.wide_turn_pieces import lanes_with_room, parts_near, rings
 from rota.planners.patrol.methods.sweeping.wide_turn_routes import Route, lengths_m, short_route
 from rota.planners.patrol.repair.detours import near_places
-from rota.planners.patrol.repair.repair import Repaired, judged
+from rota.planners.patrol.repair.repair import Repaired, judge_tours
 from rota.planners.patrol.repair.seeing import annealing_of
 from rota.planners.patrol.tolerances import TO_SPARE
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M
@@ -98,7 +98,7 @@ def sweep_with_wide_turns(context: Context, is_crowded: Callable[[Tour], bool]) 
         swept = seeing_all(context, swept, points, samples)
         if any(is_crowded(tour) for tour in swept.tours):
             return None
-        repaired = judged(context, swept.tours, extra, turn, bends=False, eased_by=0.0)
+        repaired = judge_tours(context, swept.tours, extra, turn, bends=False, eased_by=0.0)
         if repaired.met:
             return repaired
         if len(repaired.extra) == len(extra) or context.should_stop():

@@ -57,7 +57,7 @@ class Layout:
         return [replace(tour, vertices_m=places_m[self.start[self.tour == k]]) for k, tour in enumerate(self.tours)]
 
 
-def laid_out(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
+def lay_out_tours(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
     """The tours with legs of at most ``longest_m``, and the places (n, 2) of their vertices."""
     places: list[Floats] = []
     start, end, owner, ends, shares = [], [], [], [], []
@@ -151,7 +151,7 @@ def sightings(
     reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - handicap_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
-    driven = as_driven(layout, places_m)
+    driven = drive_legs(layout, places_m)
     of_tour = layout.tour[driven.leg]
     legs = SensingLegs(driven.ends_m, period_class[of_tour], reach_m[of_tour], square[of_tour])
     n = len(samples.x)
@@ -173,7 +173,7 @@ class Driven(NamedTuple):
     share: Floats
 
 
-def as_driven(layout: Layout, places_m: Floats) -> Driven:
+def drive_legs(layout: Layout, places_m: Floats) -> Driven:
     """The legs as they are driven, with the vertices at these places (n, 2): corners are cut by robots with mass."""
     ends_m = np.hstack([places_m[layout.start], places_m[layout.end]])
     whole = Driven(ends_m, np.arange(len(ends_m)), np.tile([0.0, 1.0], (len(ends_m), 1)))

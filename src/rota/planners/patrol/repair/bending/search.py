@@ -22,7 +22,7 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.clearance import Border
-from rota.planners.patrol.repair.bending.layout import laid_out, sightings
+from rota.planners.patrol.repair.bending.layout import lay_out_tours, sightings
 from rota.planners.patrol.repair.bending.program import BUDGET_PENALTY, best_step, range_rows
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.tours.tour import Tour
@@ -64,7 +64,7 @@ class Bending:
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
         longest = 1.0 if driving_of(problem.robot).slopes is None else 2.0  # with mass every bend takes time
-        self._layout, self._places_m = laid_out(tours, longest * self._reach_m)
+        self._layout, self._places_m = lay_out_tours(tours, longest * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
         self._cost = self._cost_of(self._places_m, self._sightings)
