@@ -146,7 +146,29 @@ def test_a_zone_in_which_no_lane_ends_is_told() -> None:
         make_plan(mission_on([Lane(line_m=((0.0, 0.0), (10.0, 0.0)))], {(5.0, 0.0): 100.0}), seed=0)
 
 
-def test_bodies_that_would_meet_are_told() -> None:
-    lanes = [Lane(line_m=((0.0, 0.0), (10.0, 0.0)))]
-    plan = make_plan(mission_on(lanes, {(0.0, 0.0): 30.0, (10.0, 0.0): 30.0}, body_m=0.3), seed=0)
-    assert met(plan) == 1
+def grid(side: int, random: np.random.Generator) -> list[Lane]:
+    """Crossings 10 m apart, side by side, with lanes between them of which some run one way."""
+    ends = [
+        ((10.0 * i, 10.0 * j), (10.0 * a, 10.0 * b))
+        for i, j in itertools.product(range(side), repeat=2)
+        for a, b in ((i + 1, j), (i, j + 1))
+        if max(a, b) < side
+    ]
+    return [Lane(line_m=pair if random.random() < 0.5 else pair[::-1], one_way=random.random() < 0.3) for pair in ends]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_wait_for_each_other_where_lanes_are_shared(seed: int) -> None:
+    lanes = grid(4, np.random.default_rng(seed))
+    periods_s = dict.fromkeys(sorted({end for lane in lanes for end in lane.ends_m}), 50.0)
+    bodiless, bodies = (make_plan(mission_on(lanes, periods_s, body_m=body_m), seed=0) for body_m in (0.0, 0.4))
+    assert met(bodies) == met(bodiless) > 2
+
+
+def test_bodies_that_meet_all_the_same_are_told() -> None:
+    """Two lanes half a metre apart, at whose ends somebody is to be all the time."""
+    lanes = [Lane(line_m=((0.0, y), (10.0, y))) for y in (0.0, 0.5)]
+    asked = {(0.0, y): 1.0 for y in (0.0, 0.5)}
+    assert met(make_plan(mission_on(lanes, asked), seed=0)) == 2
+    with pytest.raises(NoPlanFound, match="keep bodies apart"):
+        make_plan(mission_on(lanes, asked, body_m=0.3), seed=0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,58 @@ from rota.planners.patrol.route_graph.network import Calls, Network, calls_of, n
 from rota.planners.patrol.route_graph.rounds import fewest_shares, with_spare_robots
 from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 from rota.planners.patrol.tours.timetable import as_trajectories, evenly_spaced
-from rota.planners.patrol.verdict import Judge, unmet_reason
+from rota.planners.patrol.traffic.bodies.loops import Loop
+from rota.planners.patrol.traffic.bodies.timing import timed_loops
+from rota.planners.patrol.verdict import Judge, Verdict, unmet_reason
 
 Floats = NDArray[np.float64]
 
+WITH_ROOM = (1.0, 0.9, 0.8, 0.65, 0.5)  # of the periods: what rounds may take, so that robots can wait for each other
 HALVINGS = 10  # of the range in which the shortest periods lie that a fixed team keeps
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraphSearch:
+    """What is asked of robots on lanes, and what is known of it."""
+
+    mission: Mission
+    network: Network
+    calls: Calls
+    bound: ProvedBound
+    body_m: float
+    seed: int
+    should_stop: Callable[[], bool]
+
+    def shares(self, stretch: float) -> list[Share]:
+        """The fewest robots found for periods that are longer by a factor; robots with bodies keep no step."""
+        return fewest_shares(
+            replace(self.calls, period_s=stretch * self.calls.period_s), enough=self.bound.robots,
+            effort=PatrolSettings.of(self.mission).effort, with_step=self.body_m == 0, seed=self.seed,
+            should_stop=self.should_stop,
+        )  # fmt: skip
+
+    def shares_with_room(self, stretch: float) -> list[Share]:
+        """The fewest robots for periods shorter by a factor, which then have time to wait; or those of a fixed team."""
+        team = self.mission.fleet.robots
+        shares = [share._replace(headway_s=share.headway_s / stretch) for share in self.shares(stretch)]
+        if team is None:
+            return shares
+        if count_of(shares) > len(team):
+            shares = shares_of_team(self.shares, len(team), self.should_stop)
+        return with_spare_robots(shares, len(team))
+
+    def plan(self, shares: list[Share]) -> Plan:
+        """The plan in which robots drive these, with bodies kept apart if timing can do it."""
+        network, calls, team = self.network, self.calls, self.mission.fleet.robots
+        if in_step(shares):
+            lines = [line for share in shares for line in lines_in_step(network, calls, share)]
+        else:
+            lines = timed_loops([loop_on_lanes(network, calls, share) for share in shares], self.body_m)
+        names = [robot.name for robot in team] if team else [f"robot-{k + 1}" for k in range(len(lines))]
+        return Plan(
+            mission=self.mission, trajectories=as_trajectories(lines, names), seed=self.seed,
+            lower_bound_robots=self.bound.robots, lower_bound_reason=self.bound.reason,
+        )  # fmt: skip
 
 
 def plan_on_lanes(
@@ -42,38 +89,29 @@ def plan_on_lanes(
 ) -> Plan:
     """A plan whose robots keep to the mission's lanes and come to all its zones in time, or that of a fixed team.
 
-    Robots that a fixed team has to spare join those that are the latest for their period. Raises NoPlanFound, with the
-    best plan, where a fixed team is too small, and where bodies meet on the way; without one where no lane ends in a
-    zone.
+    Robots that a fixed team has to spare join those that are the latest for their period. Bodies are kept apart by
+    phases and waits; where these are not enough, rounds are planned with more time to spare, which may take more
+    robots. Raises NoPlanFound, with the best plan, where a fixed team is too small, and where bodies meet all the same;
+    without one where no lane ends in a zone.
     """
     progress(0.0, "looking at the lanes")
     tight = with_reserve(mission)
-    network = network_of(tight, common_robot(tight.fleet).ground_speed_m_s * SLOWER)
-    calls, bound = calls_of(tight, network), prove_on_lanes(mission)
-    progress(0.1, "sharing the places among robots")
-
-    def search(stretch: float) -> list[Share]:
-        """The fewest robots for periods that are longer by a factor."""
-        return fewest_shares(
-            replace(calls, period_s=stretch * calls.period_s), effort=PatrolSettings.of(mission).effort,
-            enough=bound.robots, seed=seed, should_stop=should_stop,
-        )  # fmt: skip
-
-    shares, team = search(1.0), mission.fleet.robots
-    if team is not None and count_of(shares) > len(team):
-        shares = shares_of_team(search, len(team), should_stop)
-    if team is not None:
-        shares = with_spare_robots(shares, len(team))
-    progress(0.9, "judging the plan")
-    lines = [line for share in shares for line in robot_lines(network, calls, share)]
-    names = [robot.name for robot in team] if team else [f"robot-{k + 1}" for k in range(len(lines))]
-    plan = Plan(
-        mission=mission, trajectories=as_trajectories(lines, names), seed=seed, lower_bound_robots=bound.robots,
-        lower_bound_reason=bound.reason,
+    robot = common_robot(tight.fleet)
+    network = network_of(tight, robot.ground_speed_m_s * SLOWER)
+    search = GraphSearch(
+        mission=mission, network=network, calls=calls_of(tight, network), bound=prove_on_lanes(mission),
+        body_m=robot.body_radius_m, seed=seed, should_stop=should_stop,
     )  # fmt: skip
-    if (verdict := judge(plan)).verdict != "met":
-        raise NoPlanFound(unmet_reason(plan, verdict), best=plan)
-    return plan
+    failed: list[tuple[Plan, Verdict]] = []
+    for k, stretch in enumerate(WITH_ROOM if robot.body_radius_m > 0 else WITH_ROOM[:1]):
+        progress((k + 0.1) / len(WITH_ROOM), "sharing the places among robots")
+        plan = search.plan(search.shares_with_room(stretch))
+        if (verdict := judge(plan)).verdict == "met":
+            return plan
+        failed.append((plan, verdict))
+        if should_stop():
+            break
+    raise NoPlanFound(unmet_reason(*failed[0]), best=failed[0][0])
 
 
 def count_of(shares: Sequence[Share]) -> int:
@@ -103,7 +141,7 @@ def shares_of_team(search: Callable[[float], list[Share]], robots: int, should_s
 
 def stretch_needed(shares: Sequence[Share]) -> float:
     """By how much the periods may be longer or shorter that rounds of equal headways keep; 1 where some keep step."""
-    if any(share.times_s is not None for share in shares):
+    if in_step(shares):
         return 1.0
     late = [share.round_s / share.robots / share.headway_s if share.is_plain else 1.0 for share in shares]
     return min(1.0, max(late) / SLOWER)
@@ -128,12 +166,25 @@ def prove_on_lanes(mission: Mission) -> ProvedBound:
     return max_of([*apart, *visits_bound(apart_s, calls.period_s, 1.0, max_of(apart).robots)])
 
 
-def robot_lines(network: Network, calls: Calls, share: Share) -> list[TimedLine]:
-    """The rounds of the robots of a share, at equal headways."""
-    if share.times_s is None:
-        return evenly_spaced(round_in_time(network, calls, share), share.robots)
+def in_step(shares: Sequence[Share]) -> bool:
+    """Whether some robots keep step with each other."""
+    return any(share.times_s is not None for share in shares)
+
+
+def loop_on_lanes(network: Network, calls: Calls, share: Share) -> Loop:
+    """The round of a share, which runs its own way only, and may be slower."""
+    return Loop(
+        line=round_in_time(network, calls, share), robots=share.robots, period_s=share.headway_s,
+        speed_m_s=network.speed_m_s, is_one_way=True,
+    )  # fmt: skip
+
+
+def lines_in_step(network: Network, calls: Calls, share: Share) -> list[TimedLine]:
+    """The rounds of the robots of a share; of one that keeps step from the beginning of the round of all."""
     line = round_in_time(network, calls, share)
-    return [line if line.stays else start_at(line, share.round_s - float(share.times_s[0]))]
+    if share.times_s is None or line.stays:
+        return evenly_spaced(line, share.robots)
+    return [start_at(line, share.round_s - float(share.times_s[0]))]
 
 
 def round_in_time(network: Network, calls: Calls, share: Share) -> TimedLine:

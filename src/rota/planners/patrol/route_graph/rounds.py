@@ -24,9 +24,12 @@ PER_LOAD = 0.3  # of a robot: what a robot's full load costs, so that rounds bec
 
 
 def fewest_shares(
-    calls: Calls, *, effort: Effort, enough: int, seed: int, should_stop: Callable[[], bool]
+    calls: Calls, *, effort: Effort, enough: int, with_step: bool, seed: int, should_stop: Callable[[], bool]
 ) -> list[Share]:
-    """The fewest robots found that come to all places in time, in each part of the network by itself."""
+    """The fewest robots found that come to all places in time, in each part of the network by itself.
+
+    with_step: robots may keep step with each other; their times then leave no room to wait for others.
+    """
     shares = list[Share]()
     parts = [np.flatnonzero(calls.part == part) for part in np.unique(calls.part)]
     for own in parts:
@@ -38,11 +41,12 @@ def fewest_shares(
                 should_stop=should_stop, begin=found,
             )  # fmt: skip
             found = min(found, again, key=worth)
-        in_step = with_one_less(
-            found, leg_s, period_s, most_states=STATES_IN_STEP * STATES[effort],
-            enough=enough if len(parts) == 1 else 1, should_stop=should_stop,
-        )  # fmt: skip
-        shares += [share._replace(order=own[share.order]) for share in in_step]
+        if with_step:
+            found = with_one_less(
+                found, leg_s, period_s, most_states=STATES_IN_STEP * STATES[effort],
+                enough=enough if len(parts) == 1 else 1, should_stop=should_stop,
+            )  # fmt: skip
+        shares += [share._replace(order=own[share.order]) for share in found]
     return shares
 
 

@@ -31,6 +31,7 @@ class Loop:
     """One round of a tour at full speed, and the robots that share it at equal headways.
 
     line: begins and ends at the same place; one row: the robot stays. may_wait: the robot can stop anywhere at once.
+    is_one_way: it may not be driven backwards.
     """
 
     line: TimedLine
@@ -38,6 +39,7 @@ class Loop:
     period_s: float
     speed_m_s: float
     may_wait: bool = True
+    is_one_way: bool = False
 
     @property
     def places_m(self) -> Floats:

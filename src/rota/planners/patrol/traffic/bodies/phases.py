@@ -38,7 +38,8 @@ def phases_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> l
     rounds, trees, grid = on_the_clock(loops, clock, body_radius_m)
     if not all(follows_itself(tree, loop.robots, grid.apart_m) for tree, loop in zip(trees, loops, strict=True)):
         return None
-    chosen = choices_apart(Meetings(trees, [m * grid.bins for m in clock.multiples], grid.apart_m), len(loops))
+    meets = Meetings(trees, [m * grid.bins for m in clock.multiples], grid.apart_m)
+    chosen = choices_apart(meets, [loop.is_one_way for loop in loops])
     if chosen is None:
         return None
     return [drive(round_, choice, grid.step_s) for round_, choice in zip(rounds, chosen, strict=True)]
@@ -50,7 +51,8 @@ def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: f
     meets = Meetings(trees, [multiple * grid.bins for multiple in clock.multiples], grid.apart_m)
     taken: list[Choice] = []
     for k in range(len(loops)):
-        both = [(meets.meetings(k, direction, taken), direction) for direction in (1, -1)]
+        directions = (1,) if loops[k].is_one_way else (1, -1)
+        both = [(meets.meetings(k, direction, taken), direction) for direction in directions]
         met, direction = min(both, key=lambda found: int(found[0].min()))
         taken.append(Choice(int(np.argmin(met)), direction))
     return [drive(round_, choice, grid.step_s) for round_, choice in zip(rounds, taken, strict=True)]
@@ -129,17 +131,21 @@ class Meetings:
         return np.asarray(self.meetings(k, direction, taken) == 0)
 
 
-def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
-    """A choice for each loop at which nobody meets, by backtracking; None when none was found."""
+def choices_apart(meets: Meetings, one_way: Sequence[bool]) -> list[Choice] | None:
+    """A choice for each loop at which nobody meets, by backtracking; None when none was found.
+
+    one_way: of each loop whether it may not be driven backwards.
+    """
     taken: list[Choice] = []
     allowed: list[list[Choice]] = []
     for _ in range(MOST_STEPS):
         k = len(taken)
-        if k == loops:
+        if k == len(one_way):
             return taken
         if len(allowed) == k:
             # the first loop may begin anywhere, and to reverse all of them changes nothing
-            allowed.append(open_choices(meets, k, taken) if k else [Choice(0, 1)])
+            directions = (1,) if one_way[k] else (-1, 1)
+            allowed.append(open_choices(meets, k, taken, directions) if k else [Choice(0, 1)])
         if allowed[k]:
             taken.append(allowed[k].pop())
             continue
@@ -150,10 +156,10 @@ def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
     return None
 
 
-def open_choices(meets: Meetings, k: int, taken: Sequence[Choice]) -> list[Choice]:
+def open_choices(meets: Meetings, k: int, taken: Sequence[Choice], directions: Sequence[int]) -> list[Choice]:
     """What loop k can choose, the best last: as it is given before reversed."""
     choices: list[Choice] = []
-    for direction in (-1, 1):
+    for direction in directions:
         choices += [Choice(offset, direction) for offset in roomy_offsets(meets.free(k, direction, taken))]
     return choices
 

@@ -26,7 +26,11 @@ def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[TimedLine]
     Without bodies, or with one robot, every tour is driven as fast as it can be; so is one that no other comes near.
     Where nothing keeps the bodies apart, they meet as little as phases make them: the check says where and when.
     """
-    loops = [loop_of(tour) for tour in tours]
+    return timed_loops([loop_of(tour) for tour in tours], body_radius_m)
+
+
+def timed_loops(loops: Sequence[Loop], body_radius_m: float) -> list[TimedLine]:
+    """The same of loops, robot by robot."""
     timed = [at_full_speed(loop) for loop in loops]
     for crowd in crowds_of(loops, body_radius_m):
         loops_of_crowd = [loops[k] for k in crowd]

@@ -72,7 +72,7 @@ def fit(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Place
     At one speed if there is a phase for that, else with waits; in its own direction before the opposite one.
     """
     # with nobody else about, one direction is as good as the other
-    directed = (loop, reversed_loop(loop)) if others else (loop,)
+    directed = (loop, reversed_loop(loop)) if others and not loop.is_one_way else (loop,)
     for driven in directed:
         at_speed = at_one_speed(driven, headway, grid, others)
         if at_speed is not None or loop.stays:
