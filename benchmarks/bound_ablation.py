@@ -45,6 +45,7 @@ PROOFS: dict[str, tuple[str, Any]] = {
     "forests": ("forest_bound", NOTHING),
     "components": ("_by_components", NOTHING),
     "visits": ("visits_bound", ()),
+    "tours": ("tour_bound", NOTHING),
 }
 
 

@@ -18,13 +18,16 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
+from rota.planners.patrol.bounds.tour_bound import tour_bound
 from rota.planners.patrol.bounds.turning_bound import circle_radius_m, turning_robots
 from rota.planners.patrol.bounds.visits_bound import visits_bound
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.targets import targets_of
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
 MOST_WINDOWS = 6  # for which forests are tried
+TOUR_STATES: dict[Effort, int] = {"quick": 30, "normal": 100, "high": 1_000}  # of each search for orders
 NOTHING_ASKED = ProvedBound(robots=0, reason="nothing that is asked can be seen")
 SOMETHING_ASKED = ProvedBound(robots=1, reason="something is asked, and it can be seen")
 
@@ -49,6 +52,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
     witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     pieces = ground_pieces(regions, seeable_m2)
+    states = TOUR_STATES[PatrolSettings.of(problem.mission).effort]
     proofs = [
         SOMETHING_ASKED,
         _by_areas(regions, seeable_m2, robot),
@@ -57,9 +61,9 @@ def prove_bound(problem: Problem) -> ProvedBound:
         straight_chain_bound(problem, robot),
     ]
     if witnesses.components > 1:
-        proofs.append(_by_components(witnesses, robot, visits))
+        proofs.append(_by_components(witnesses, robot, visits, states))
     best = max_of(proofs)
-    return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits)])
+    return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states)])
 
 
 def _by_areas(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot) -> ProvedBound:
@@ -85,8 +89,17 @@ def asks_for_visits(problem: Problem) -> bool:
     return len(problem.regions) > 1 and len(targets_of(problem)) > 0
 
 
-def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
+def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool, states: int) -> Iterator[ProvedBound]:
     """The proofs from places far apart. least: what is known already, so that vain searches end early."""
+    known = least
+    for proof in _by_pairs(witnesses, robot, least, visits):
+        known = max(known, proof.robots)
+        yield proof
+    yield tour_bound(witnesses, robot, known, states)
+
+
+def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
+    """Those of them that know no more of the places than how far apart each two of them are."""
     apart_m, speed_m_s = witnesses.apart_m, robot.ground_speed_m_s
     yield clique_bound(apart_m, witnesses.period_s, speed_m_s)
     if np.isfinite(witnesses.way_m).all():
@@ -99,12 +112,12 @@ def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool) 
         yield forest_bound(apart_m[np.ix_(asked, asked)], float(window_s), speed_m_s, least)
 
 
-def _by_components(witnesses: Witnesses, robot: Robot, visits: bool) -> ProvedBound:
+def _by_components(witnesses: Witnesses, robot: Robot, visits: bool, states: int) -> ProvedBound:
     """The bounds of the components, added up: what is seen from one component alone takes robots of its own."""
     each = []
     for component in np.unique(witnesses.component[witnesses.component >= 0]):
         own = witnesses.choose(witnesses.component == component)
-        each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1, visits))]))
+        each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1, visits, states))]))
     return ProvedBound(
         robots=sum(each),
         reason=f"the ground falls into {len(each)} parts between which no robot can travel,"

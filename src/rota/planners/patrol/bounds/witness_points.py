@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.free_space import DemandedRegion, border_segments, standing_space
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.mission import Mission
+from rota.model.mission import Mission, SquareSensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
@@ -39,13 +40,17 @@ class Witnesses:
     """Points (or zones to visit), each of which must be served once in every window of its period.
 
     period_s: (n,). centre_m: (n, 2), spread_m: (n,); whoever serves a point stands at most ``spread_m`` of travel from
-    its centre. way_m: (n, n) ways between the centres, never longer than those of any robot; inf where there is none.
-    component: (n,) the component of the standing space that a point is served from, -1 when there are several.
-    components: how many the space has.
+    its centre, and at most ``range_m`` (n,) straight; where corners (n,) is not 0, in the convex polygon with so many
+    corner_m (n, c, 2), anticlockwise. way_m: (n, n) ways between the centres, never longer than those of any robot; inf
+    where there is none. component: (n,) the component of the standing space that a point is served from, -1 when there
+    are several. components: how many the space has.
     """
 
     centre_m: Floats
     spread_m: Floats
+    range_m: Floats
+    corners: Ints
+    corner_m: Floats
     period_s: Floats
     way_m: Floats
     component: Ints
@@ -69,6 +74,9 @@ class Witnesses:
         return Witnesses(
             centre_m=self.centre_m[which],
             spread_m=self.spread_m[which],
+            range_m=self.range_m[which],
+            corners=self.corners[which],
+            corner_m=self.corner_m[which],
             period_s=self.period_s[which],
             way_m=self.way_m[np.ix_(which, which)],
             component=self.component[which],
@@ -100,6 +108,9 @@ def witnesses_of(problem: Problem, reach_m: float) -> Witnesses:
     return Witnesses(
         centre_m=centre,
         spread_m=np.array([place.spread_m for place, _ in served]),
+        range_m=np.array([place.range_m for place, _ in served]),
+        corners=np.array([0 if place.hull is None else len(place.hull) for place, _ in served], dtype=np.int64),
+        corner_m=_pad([place.hull for place, _ in served]),
         period_s=np.array([period for _, period in served], dtype=np.float64),
         way_m=space.paths.all_pairs(centre),
         component=np.array([place.component for place, _ in served], dtype=np.int64),
@@ -128,9 +139,13 @@ def _straight_witnesses(
     ]
     centre = np.vstack([points.xy_m, *(middle[None] for middle in middles)])
     count = len(centre)
+    spread_m = np.concatenate([np.full(len(points), reach_m), radii]) * (1 + ROOM)
     return Witnesses(
         centre_m=centre,
-        spread_m=np.concatenate([np.full(len(points), reach_m), radii]) * (1 + ROOM),
+        spread_m=spread_m,
+        range_m=spread_m,
+        corners=np.zeros(count, dtype=np.int64),
+        corner_m=_pad([None] * count),
         period_s=np.concatenate([np.array(periods_s)[points.period], [zone.period_s for zone in zones]]),
         way_m=np.hypot(*(centre[:, None] - centre[None]).transpose(2, 0, 1)),
         component=np.full(count, -1, dtype=np.int64),
@@ -142,6 +157,8 @@ def _straight_witnesses(
 class _Place:
     centre_m: Floats
     spread_m: float
+    range_m: float
+    hull: Floats | None
     component: int
 
 
@@ -153,6 +170,8 @@ class _WiderSpace:
         robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
         body_m = min(robot.body_radius_m for robot in robots)
         self.reach_m = reach_m * (1 + ROOM)
+        are_squares = all(isinstance(robot.sensor, SquareSensor) for robot in robots)
+        self.half_side_m = self.reach_m / math.sqrt(2) if are_squares else math.inf
         self.travel = polygons_of(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
         thin_m = max(0.0, _BODY_SHARE * body_m - room_m)
         standing = standing_space(mission, thin_m, arc_corners=_ARC_CORNERS) if thin_m > 0 else self.travel
@@ -163,6 +182,7 @@ class _WiderSpace:
         self.borders = border_segments(polygons_of(closed))
         hidden = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_sight])
         self.walls = border_segments(polygons_of(hidden.buffer(-room_m, join_style="mitre")))
+        self.hull = shapely.convex_hull(self.travel)
         shapely.prepare(self.travel)
 
     def where_seen(self, point_m: Floats) -> _Place | None:
@@ -171,12 +191,13 @@ class _WiderSpace:
         if view.is_empty:
             return None
         if not shapely.contains_xy(self.travel, *point_m):
-            return self._place(shapely.get_coordinates(shapely.point_on_surface(view))[0], view, 0.0)
+            return self._place(shapely.get_coordinates(shapely.point_on_surface(view))[0], view, None, None)
         straight = visibility_polygon(point_m, self.borders, self.reach_m)
         corners = shapely.get_coordinates(view) - point_m
         within_m = min(self.reach_m, float(np.hypot(corners[:, 0], corners[:, 1]).max()))
         bent = shapely.difference(view, straight.buffer(1e-3 * ROOM * self.reach_m))
-        return self._place(point_m, view, within_m, bent)
+        spread_m = max(within_m, self._farthest(point_m, bent))
+        return self._place(point_m, view, spread_m, within_m)
 
     def where_inside(self, shape: MultiPolygon) -> _Place | None:
         """The same for standing inside a zone."""
@@ -187,19 +208,37 @@ class _WiderSpace:
         if shapely.contains(self.travel, hull):  # all of it is reached straight
             middle = shapely.get_coordinates(shapely.centroid(hull))[0]
             corners = shapely.get_coordinates(hull) - middle
-            return self._place(middle, inside, float(np.hypot(*corners.T).max()), Polygon())
+            return self._place(middle, inside, float(np.hypot(*corners.T).max()), None)
         middle = shapely.get_coordinates(shapely.point_on_surface(inside))[0]
-        return self._place(middle, inside, 0.0)
+        return self._place(middle, inside, None, None)
 
     def _place(
-        self, centre_m: Floats, views: BaseGeometry, straight_m: float, bent: BaseGeometry | None = None
+        self, centre_m: Floats, views: BaseGeometry, spread_m: float | None, range_m: float | None
     ) -> _Place | None:
-        """The place that holds ``views``; ``bent`` is the part of them (None: all) that is not within straight_m."""
-        spread_m = max(straight_m, self._farthest(centre_m, views if bent is None else bent))
+        """The place that holds ``views``; what is None, of how far they are from the centre, is measured."""
+        if spread_m is None:
+            spread_m = self._farthest(centre_m, views)
+        if range_m is None:
+            range_m = float(np.hypot(*(shapely.get_coordinates(views) - centre_m).T).max())
         if not np.isfinite(spread_m):
             return None
         within = [k for k, component in enumerate(self.components) if component.intersects(views)]
-        return _Place(centre_m=centre_m, spread_m=spread_m, component=within[0] if len(within) == 1 else -1)
+        component = within[0] if len(within) == 1 else -1
+        hull = self._hull(centre_m, views, range_m)
+        return _Place(centre_m=centre_m, spread_m=spread_m, range_m=range_m, hull=hull, component=component)
+
+    def _hull(self, centre_m: Floats, views: BaseGeometry, range_m: float) -> Floats | None:
+        """The corners of a convex polygon round the views, where it is much smaller than what the range tells."""
+        hull, disc = shapely.convex_hull(views), shapely.Point(centre_m).buffer(range_m)
+        if np.isfinite(self.half_side_m):
+            x, y = centre_m
+            h = self.half_side_m
+            hull = shapely.intersection(hull, shapely.box(x - h, y - h, x + h, y + h))
+        if hull.area > 0.93 * shapely.intersection(disc, self.hull).area:
+            return None
+        few = shapely.simplify(hull, 0.01 * range_m)
+        few = shapely.convex_hull(shapely.buffer(few, 0.0101 * range_m, join_style="mitre"))
+        return shapely.get_coordinates(shapely.normalize(few).exterior)[-2::-1] if isinstance(few, Polygon) else None
 
     def _farthest(self, centre_m: Floats, shape: BaseGeometry) -> float:
         """A bound on the ways from the centre to the points of a shape in the travel space; 0 when it is empty."""
@@ -213,12 +252,21 @@ class _WiderSpace:
         return farthest
 
 
+def _pad(hulls: Sequence[Floats | None]) -> Floats:
+    """The corners (n, c, 2) of all hulls; zeros after those of each."""
+    corner_m = np.zeros((len(hulls), max([1, *(len(hull) for hull in hulls if hull is not None)]), 2))
+    for k, hull in enumerate(hulls):
+        if hull is not None:
+            corner_m[k, : len(hull)] = hull
+    return corner_m
+
+
 def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> Ints:
     """Samples far from each other, and samples that hardly any place sees, for every period and all shorter ones."""
-    inside = np.flatnonzero((points.visit_m == 0) & (points.shrink_m > 0))
+    start, seen = viewpoints.start, viewpoints.seen
+    inside = np.flatnonzero((points.visit_m == 0) & ((points.shrink_m > 0) | _well_seen(points, viewpoints, reach_m)))
     if not len(inside):
         return inside
-    start, seen = viewpoints.start, viewpoints.seen
     seen_by = np.bincount(seen, minlength=len(points))
     inside = inside[np.lexsort((inside, seen_by[inside]))]
     classes = np.unique(points.period[inside])
@@ -231,6 +279,15 @@ def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float
     sees = csr_array((np.ones(len(seen), dtype=np.int8), seen, start), shape=(len(start) - 1, len(points))).tocsc()
     chosen += _points_apart(sees, inside[:MOST_LOOKED_AT])
     return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
+
+
+def _well_seen(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> NDArray[np.bool_]:
+    """Which points (n,) some place sees that is not at the limit of its range: all about them is seen, too."""
+    place = np.repeat(np.arange(len(viewpoints.xy_m)), np.diff(viewpoints.start))
+    away_m = np.hypot(*(viewpoints.xy_m[place] - points.xy_m[viewpoints.seen]).T)
+    seen = np.zeros(len(points), dtype=np.bool_)
+    seen[viewpoints.seen[away_m < 0.9 * reach_m]] = True
+    return seen
 
 
 def _spread_out(xy_m: Floats, among: Ints, already: list[int], count: int, nearest_m: float) -> list[int]:

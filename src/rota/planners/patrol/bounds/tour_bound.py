@@ -1,0 +1,96 @@
+"""Robots at least, since no fewer can pass all places in time about a moment at which some of them are served.
+
+Statement. Let m places have periods T_i. There is a moment t about which each of them is served within
+t -+ (1 - 1/m) T_i / 2. And every place p is served in [t - T_p, t], in [t - T_p / 2, t + T_p / 2] and in [t, t + T_p].
+If k robots cannot do all that, whatever they do in which order, the team has at least k + 1 robots.
+
+Proof. Place i is served at moments that are g <= T_i apart. Between two of them g - (1 - 1/m) T_i seconds at most, a
+share 1/m of g, are farther than (1 - 1/m) T_i / 2 from both. If that were a share of less than 1/m for some place,
+the m shares would not make up all time, and a moment is left: windows count as longer by a millionth. With m = 1 it is
+any at which the place is served. The rest is what the periods ask for. ``tour_kernels`` looks at all orders, or proves
+of some of the places in them that no robot passes them in time.
+
+What it is for. A window alone is easily met, for each robot may drive an open path. With m = 1 one robot is in the
+middle of its window, and comes no farther than half a window's travel to either side: on a line that is half as long as
+it is for ever. With m places on a ring of length L, one robot drives (1 - 1/m) L within the windows of these places, so
+that it needs L for ever. The windows before and after bind what robots do before and after that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.model.mission import Robot
+from rota.planners.patrol.bounds.length_kernels import Tasks
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.bounds.tour_kernels import IMPOSSIBLE, search_orders
+from rota.planners.patrol.bounds.witness_points import Witnesses
+from rota.planners.patrol.tolerances import SURELY
+from rota.planners.patrol.verdict import robots_in_words
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def tour_bound(witnesses: Witnesses, robot: Robot, least: int, most_states: int) -> ProvedBound:
+    """The bound for the witnesses, from ``least`` on, which is known.
+
+    most_states: that are looked at of the orders about a moment, a fifth where several places tell when it is. Most
+    proofs take five, so that each is tried with few first. Teams of more than 8 have too many orders, and are not asked
+    about.
+    """
+    robots, moments = least, list(moments_of(witnesses, robot.ground_speed_m_s))
+    while robots <= 8 and cannot_do(robots, moments, most_states):
+        robots += 1
+    return ProvedBound(
+        robots=robots,
+        reason=f"about some moment {robots_in_words(robots - 1)} cannot pass all of {len(witnesses)} places in time",
+    )
+
+
+def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int) -> bool:
+    """Whether about one of the moments so many robots surely cannot do all tasks."""
+    for share, most_places in ((5, 3), (1, 1)):
+        for places, tasks in moments:
+            first = len(tasks.place) - places
+            if places <= most_places and search_orders(robots, first, tasks, most_states // share) == IMPOSSIBLE:
+                return True
+    return False
+
+
+def moments_of(witnesses: Witnesses, speed_m_s: float) -> Iterator[tuple[int, Tasks]]:
+    """Moments told by one, two or three places far from each other; how many, and the tasks about the moment 0."""
+    for place in spread_out(witnesses.centre_m)[:24]:  # more proved next to nothing
+        group = spread_out(witnesses.centre_m, int(place))[:3]
+        for count in range(1, len(group) + 1):
+            yield count, tasks_about(witnesses, speed_m_s, group[:count])
+
+
+def tasks_about(witnesses: Witnesses, speed_m_s: float, group: Ints) -> Tasks:
+    """What is to be done about the moment 0 that these places (m,) tell; their windows about it stand last."""
+    travel_m, n = witnesses.period_s * speed_m_s * SURELY, len(witnesses)
+    near_m = (1 - 1 / len(group)) / 2 * travel_m[group]
+    return Tasks(
+        place=np.concatenate([np.tile(np.arange(n), 3), group]),
+        opens_m=np.concatenate([-travel_m / 2, -travel_m, np.zeros(n), -near_m]),
+        closes_m=np.concatenate([travel_m / 2, np.zeros(n), travel_m, near_m]),
+        centre_m=witnesses.centre_m,
+        radius_m=witnesses.range_m,
+        corners=witnesses.corners,
+        corner_m=witnesses.corner_m,
+        apart_m=witnesses.apart_m,
+    )
+
+
+def spread_out(xy_m: Floats, first: int | None = None) -> Ints:
+    """The points (n, 2) in an order: each as far as can be from those before, the first (None) from the middle."""
+    order = np.zeros(len(xy_m), dtype=np.int64)
+    away = np.hypot(*(xy_m - (xy_m.mean(axis=0) if first is None else xy_m[first])).T) if len(xy_m) else np.zeros(0)
+    for k in range(len(xy_m)):
+        order[k] = int(np.argmax(away)) if k > 0 or first is None else first
+        from_it = np.hypot(*(xy_m - xy_m[order[k]]).T)
+        away = from_it if k == 0 else np.minimum(away, from_it)
+    return order
