@@ -89,6 +89,10 @@ class Planner(ABC):
         """
         return None
 
+    def hasty_bound(self, mission: Mission) -> tuple[int, str] | None:
+        """The same within a moment, for whoever edits a mission: it may prove less."""
+        return self.proved_bound(mission)
+
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """Folders below the package rota whose ``kernels.py`` planning the mission runs; compiling them takes long."""
         return ()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from benchmarks.random_missions import random_mission
+
 import rota
 from rota.files.plan_file import plan_text
 from rota.planners.patrol import PatrolPlanner
@@ -13,6 +15,12 @@ def test_the_bound_proved_without_planning_is_the_plan_s() -> None:
     mission = PatrolPlanner().small_mission()
     plan = rota.make_plan(mission)
     assert PatrolPlanner().proved_bound(mission) == (plan.lower_bound_robots, plan.lower_bound_reason)
+
+
+def test_a_hasty_bound_proves_no_more() -> None:
+    mission = random_mission(0)  # tours prove three robots
+    hasty, proved = PatrolPlanner().hasty_bound(mission), PatrolPlanner().proved_bound(mission)
+    assert (hasty[0], proved[0]) == (2, 3)
 
 
 def test_other_planners_prove_nothing() -> None:

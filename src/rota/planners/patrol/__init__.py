@@ -57,6 +57,14 @@ class PatrolPlanner(Planner):
         bound = prove_bound(set_up_problem(mission))
         return bound.robots, bound.reason
 
+    def hasty_bound(self, mission: Mission) -> tuple[int, str]:
+        """The same without the bound by tours."""
+        from rota.planners.patrol.bounds.best_bound import prove_bound
+        from rota.planners.patrol.ground.problem import set_up_problem
+
+        bound = prove_bound(set_up_problem(mission), tours=False)
+        return bound.robots, bound.reason
+
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """The annealing, and the geometry that it stands on."""
         return "planners/patrol/annealing", "geometry"

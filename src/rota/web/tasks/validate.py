@@ -104,7 +104,7 @@ def _answer(judged: JudgedDocument) -> Json:
 def _prove_bound(mission: Mission, faults: list[Json]) -> Json | None:
     """Robots that any plan needs, and why; None where nothing is proved. Adds a fault where no plan is possible."""
     try:
-        found = planner_of(mission).proved_bound(mission)
+        found = planner_of(mission).hasty_bound(mission)
     except RotaError as error:
         faults.append(fault_json((), str(error)))
         return None

@@ -27,7 +27,7 @@ from rota.planners.patrol.ground.targets import targets_of
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
 MOST_WINDOWS = 6  # for which forests are tried
-TOUR_STATES: dict[Effort, int] = {"quick": 30, "normal": 100, "high": 1_000}  # of each search for orders
+TOUR_STATES: dict[Effort, int] = {"quick": 20, "normal": 30, "high": 1_000}  # of each search for orders
 NOTHING_ASKED = ProvedBound(robots=0, reason="nothing that is asked can be seen")
 SOMETHING_ASKED = ProvedBound(robots=1, reason="something is asked, and it can be seen")
 
@@ -41,10 +41,11 @@ def prove_by_area(problem: Problem) -> ProvedBound:
     return max_of([SOMETHING_ASKED, _by_areas(regions, seeable_m2, robot)])
 
 
-def prove_bound(problem: Problem) -> ProvedBound:
+def prove_bound(problem: Problem, *, tours: bool = True) -> ProvedBound:
     """The highest of all lower bounds for the problem's mission; of equal ones the simplest proof.
 
     Nothing that can be seen gives 0. Every bound is for a robot as good as the best of the fleet in all respects.
+    tours: orders of places are looked at, too, which takes longer than all else.
     """
     if not len(problem.points):
         return NOTHING_ASKED
@@ -52,7 +53,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
     witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     pieces = ground_pieces(regions, seeable_m2)
-    states = TOUR_STATES[PatrolSettings.of(problem.mission).effort]
+    states = TOUR_STATES[PatrolSettings.of(problem.mission).effort] if tours else 0
     proofs = [
         SOMETHING_ASKED,
         _by_areas(regions, seeable_m2, robot),
@@ -95,7 +96,8 @@ def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool, 
     for proof in _by_pairs(witnesses, robot, least, visits):
         known = max(known, proof.robots)
         yield proof
-    yield tour_bound(witnesses, robot, known, states)
+    if states:
+        yield tour_bound(witnesses, robot, known, states)
 
 
 def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
