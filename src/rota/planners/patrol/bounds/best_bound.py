@@ -27,7 +27,7 @@ from rota.planners.patrol.ground.targets import targets_of
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
 MOST_WINDOWS = 6  # for which forests are tried
-TOUR_STATES: dict[Effort, int] = {"quick": 20, "normal": 30, "high": 1_000}  # of each search for orders
+TOUR_STATES: dict[Effort, int] = {"quick": 20, "normal": 30, "high": 200}  # of each search for orders
 NOTHING_ASKED = ProvedBound(robots=0, reason="nothing that is asked can be seen")
 SOMETHING_ASKED = ProvedBound(robots=1, reason="something is asked, and it can be seen")
 
