@@ -27,6 +27,7 @@ from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.command.fly_along import Along
+    from rota.links.flights import Flights
     from rota.links.free_ways import LayeredWay
     from rota.links.link import Link
     from rota.model.plan import Plan
@@ -134,17 +135,11 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
                 say(f"waiting for {', '.join(silent)} to say where it is")
                 await first_reports(link, silent, FIRST_PLACE_S)
             flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
-            typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
-            for told in along.tell_before() if along is not None else ():
-                typer.echo(told)
-            for told in await _by_themselves(link, plan):
-                typer.echo(told)
-            if not order.start:
-                typer.echo("Nothing was started: --start does.")
-                return
-            if not order.yes and not await _is_confirmed(f"Start {len(routes)} robots? Type yes: "):
-                typer.echo("Nothing was started; the robots hold their routes.")
-                return
+            try:
+                if not await _is_to_start(link, plan, order, routes, along, flights):
+                    return
+            except asyncio.CancelledError:
+                raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
             if flights is not None:
                 await flights.gather(routes)
             await start_all(link, routes)
@@ -156,6 +151,24 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
                 finally:
                     if holds:
                         say(f"to watch them: {watching} --set start_time={_begun_text(link)}")
+
+
+async def _is_to_start(
+    link: Link, plan: Plan, order: Order, routes: Sequence[Route], along: Along | None, flights: Flights | None
+) -> bool:
+    """Tell what was sent and what robots do by themselves; whether they are to be started."""
+    typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
+    for told in along.tell_before() if along is not None else ():
+        typer.echo(told)
+    for told in await _by_themselves(link, plan):
+        typer.echo(told)
+    if not order.start:
+        typer.echo("Nothing was started: --start does.")
+        return False
+    if not order.yes and not await _is_confirmed(f"Start {len(routes)} robots? Type yes: "):
+        typer.echo("Nothing was started; the robots hold their routes.")
+        return False
+    return True
 
 
 async def _by_themselves(link: Link, plan: Plan) -> list[str]:
@@ -248,10 +261,7 @@ async def _is_confirmed(question: str) -> bool:
     typer.echo(question, nl=False)
     # not by to_thread: the program would not end before somebody types something
     threading.Thread(target=ask, daemon=True).start()
-    try:
-        return (await answer).strip().lower() == "yes"
-    except asyncio.CancelledError:
-        raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
+    return (await answer).strip().lower() == "yes"
 
 
 def _summary(link: Link, routes: Sequence[Route], ways: Sequence[LayeredWay]) -> str:
