@@ -75,7 +75,7 @@ def test_a_graph_of_patrolling_sim_is_in_pixels_from_the_top(tmp_path: Path) -> 
         (node_link({"source": "a", "target": "z"}), r'edges\[0\]: leads to "z", which is no node'),
         (node_link({"source": "a", "target": "a"}), "from 'a' to itself"),
         (node_link({"source": "a", "target": "b", "time_s": -1}), "time_s = -1 is not allowed"),
-        ({"nodes": [{"id": "a", "x": 0}], "edges": []}, r"nodes\[0\]: has no id, or no place"),
+        ({"nodes": [{"id": "a", "x": 0}], "edges": []}, r"nodes\[0\]: has the id \"a\" and the place \[0, null\]"),
         ({"nodes": [*NODES, NODES[0]], "edges": []}, r"nodes\[3\]: 'a' is the id of another node"),
     ],
 )

@@ -141,7 +141,8 @@ def _graph_of(path: Path, nodes: Iterator[_Node], links: Iterator[_Link]) -> Gra
         at = _point(node.at)
         name = "" if node.name is None else str(node.name)
         if at is None or not name:
-            faults.append(f"{path}: {node.where}: has no id, or no place; an id, and x and y in numbers, are needed")
+            has = f"has the id {show_value(node.name)} and the place {show_value(node.at)}"
+            faults.append(f"{path}: {node.where}: {has}; an id, and x and y in numbers, are needed")
         elif name in places:
             faults.append(f"{path}: {node.where}: {name!r} is the id of another node; ids must be unique")
         else:

@@ -17,8 +17,11 @@ from rota.errors import NoPlanFound
 from rota.model.mission import DiscSensor, Fleet, Lane, Mission, Zone
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
+from rota.planners.patrol.cycles.teams import Share
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.route_graph.rounds import plain_shares
+from rota.planners.patrol.route_graph.network import calls_of, network_of
+from rota.planners.patrol.route_graph.plan_on_graph import lines_in_step
+from rota.planners.patrol.route_graph.rounds import plain_shares, with_spare_robots
 
 Place = tuple[float, float]
 
@@ -133,6 +136,17 @@ def test_robots_to_spare_join_a_round() -> None:
     plan = make_plan(mission_on(lanes, {lane.line_m[0]: 61.0 for lane in lanes}, robots=3), seed=0)
     assert met(plan) == 3
     assert max(demand.worst_gap_s for demand in check_plan(plan).demands) == pytest.approx(20.0 - 2 * 0.2, abs=0.01)
+
+
+def test_a_robot_to_spare_goes_along_with_one_that_keeps_step() -> None:
+    lanes = [Lane(line_m=((0.0, 0.0), (10.0, 0.0)))]
+    network = network_of(mission_on(lanes, {(0.0, 0.0): 30.0, (10.0, 0.0): 30.0}), 1.0)
+    calls = calls_of(mission_on(lanes, {(0.0, 0.0): 30.0, (10.0, 0.0): 30.0}), network)
+    share = Share(np.array([0, 1]), 1, 24.0, 24.0, np.array([2.0, 13.0]))
+    (whole,) = with_spare_robots([share], 2)
+    first, second = lines_in_step(network, calls, whole)
+    assert (first.duration_s, first.times_s.tolist()) == (second.duration_s, second.times_s.tolist())
+    assert first.duration_s == pytest.approx(24.0)
 
 
 def test_parts_without_ways_between_them_have_robots_of_their_own() -> None:

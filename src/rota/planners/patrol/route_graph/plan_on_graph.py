@@ -184,7 +184,7 @@ def lines_in_step(network: Network, calls: Calls, share: Share) -> list[TimedLin
     line = round_in_time(network, calls, share)
     if share.times_s is None or line.stays:
         return evenly_spaced(line, share.robots)
-    return [start_at(line, share.round_s - float(share.times_s[0]))]
+    return [start_at(line, share.round_s - float(share.times_s[0]))] * share.robots  # those to spare go along
 
 
 def round_in_time(network: Network, calls: Calls, share: Share) -> TimedLine:
