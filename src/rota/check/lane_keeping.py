@@ -142,9 +142,12 @@ def _runs_along(pieces: _Pieces, ways: _Ways, steps_m: Floats) -> Floats:
 
 
 def _most_m_s(plan: Plan, name: str) -> Floats:
-    """How fast a robot may drive along each lane."""
-    robot = plan.mission.fleet.robot(name)
-    return np.array([lane.drawn_m / lane.duration_s(robot.speed_m_s) for lane in plan.mission.lanes])
+    """How fast a robot may drive along each lane, worked out here anew: planners have it from the model."""
+    lanes, speed_m_s = plan.mission.lanes, plan.mission.fleet.robot(name).speed_m_s
+    drawn_m = np.array([np.hypot(*np.diff(np.array(lane.line_m), axis=0).T).sum() for lane in lanes])
+    length_m = np.array([np.nan if lane.length_m is None else lane.length_m for lane in lanes])
+    least_s = np.array([0.0 if lane.least_s is None else lane.least_s for lane in lanes])
+    return np.asarray(drawn_m / np.maximum(np.fmax(length_m, drawn_m) / speed_m_s, least_s))
 
 
 def _away_m(pieces: _Pieces, xy: Floats, legs: Ints) -> Floats:
