@@ -21,11 +21,11 @@ from rota.model.importance import ImportanceMap
 from rota.model.limits import RATE
 from rota.model.mission import GeoPoint, Mission, MovingObstacle, Obstacle, Zone
 from rota.model.motion_limits import MotionLimits
-from rota.model.plan import Plan, RunEnd, Trajectory, Waypoints
+from rota.model.plan import Driven, Plan, RunEnd, Seam, Trajectory, Waypoints
 
 TYPES = [
-    Abilities, DiscSensor, Fleet, GeoPoint, ImportanceMap, Mission, MotionLimits, MovingObstacle, Obstacle, Plan, Robot,
-    RunEnd, SquareSensor, StartPoints, Trajectory, Waypoints, Zone,
+    Abilities, DiscSensor, Driven, Fleet, GeoPoint, ImportanceMap, Mission, MotionLimits, MovingObstacle, Obstacle,
+    Plan, Robot, RunEnd, Seam, SquareSensor, StartPoints, Trajectory, Waypoints, Zone,
 ]  # fmt: skip
 
 

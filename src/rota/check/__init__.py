@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_to_json
+from rota.check.report import DemandVerdict, Report, Violation, report_to_json
+from rota.check.report_schema import report_schema
 from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:

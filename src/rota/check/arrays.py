@@ -86,6 +86,15 @@ class Team(NamedTuple):
     loops: Loops
 
 
+class Scene(NamedTuple):
+    """What pieces are seen from, and what hides them: the legs of a team, and walls, in the cells of a grid."""
+
+    grid: Grid
+    legs: Legs
+    team: Team
+    walls: Binned
+
+
 class SeenTimes(NamedTuple):
     """When n robots see a place in the first turn of their loops: intervals, robot by robot, ascending and disjoint.
 

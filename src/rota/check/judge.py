@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
 from rota.check.holding import holding_of
 from rota.check.lane_keeping import lane_violations
+from rota.check.lateness import lateness_of, seam_violations
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.presence import presence_violations
@@ -99,12 +100,12 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
         )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
-    return Report(
+    report = Report(
         verdict=verdict,
         robots=robots,
         lower_bound_robots=bound,
         cells_entered=bounced.cells,
-        not_judged=(*bounced.not_judged, *_unjudged_headings(plan)),
+        not_judged=(*bounced.not_judged, *_unjudged_headings(plan), *_unjudged_past(plan)),
         demands=tuple(verdicts.demands),
         violations=tuple(violations),
         clock_margin_s=margin_s,
@@ -114,6 +115,9 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
         run_end=plan.run_end,
         holding=holding_of(plan),
     )
+    if plan.seam is None:
+        return report
+    return replace(report, lateness=lateness_of(plan, report, finest_m=finest_m, on_the_way=on_the_way))
 
 
 def too_much_excluded(
@@ -227,7 +231,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
 def _violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
-    violations += _late_violations(plan) + lane_violations(plan)
+    violations += _late_violations(plan) + lane_violations(plan) + seam_violations(plan)
     return violations + moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
 
 
@@ -235,6 +239,11 @@ def _unjudged_headings(plan: Plan) -> tuple[str, ...]:
     """That nothing is said of headings, where a plan has some and its robots do not bounce."""
     given = any(trajectory.headings_rad is not None for trajectory in plan)
     return ("headings: they are judged of robots that bounce",) if given and not plan.mission.planning.bouncing else ()
+
+
+def _unjudged_past(plan: Plan) -> tuple[str, ...]:
+    """That what was driven before a plan took over is believed."""
+    return () if plan.seam is None else ("what was driven before the change: it is taken as it is told",)
 
 
 def _late_violations(plan: Plan) -> list[Violation]:

@@ -6,13 +6,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.holding import Holding
-from rota.model.plan import EndReason, RunEnd
+from rota.check.late_report import Lateness, lateness_to_json
+from rota.model.plan import RunEnd
 from rota.model.violation_kinds import ViolationKind
 
 if TYPE_CHECKING:
@@ -21,11 +22,6 @@ if TYPE_CHECKING:
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
 CELLS = ("entered", "of")
-# what values a report has, as JSON Schema
-NUMBER, TEXT, COUNT = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
-SIZE = {"type": "number", "minimum": 0}
-OUTCOMES = {"enum": ["met", "violated", "not proven"]}
-SECONDS_OR_NEVER = {"type": ["number", "null"], "description": "seconds; null: never"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +105,8 @@ class Report:
     ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
     that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim.
     ``cells_entered``: of a plan that is to cover its floor, how many cells robots enter and how many there are.
-    ``not_judged``: what the plan says and the check leaves open, in words.
+    ``not_judged``: what the plan says and the check leaves open, in words. ``lateness``: since the plan took over from
+    another one; None where it does not.
     """
 
     verdict: Outcome
@@ -128,6 +125,7 @@ class Report:
     clock_margin_s: float | None = None
     cells_entered: tuple[int, int] | None = None
     not_judged: tuple[str, ...] = ()
+    lateness: Lateness | None = None
 
     @property
     def worst_ratio(self) -> float:
@@ -174,7 +172,7 @@ def _holding_to_json(holding: Holding) -> dict[str, Any]:
 
 
 def report_to_json(report: Report) -> dict[str, Any]:
-    """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
+    """The report as JSON values, by ``report_schema``: null for "never" and at most 100 unmet points."""
     end = report.run_end
     return {
         "rota_report": 1,
@@ -187,6 +185,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "holds_from_s": report.holds_from_s,
         "run_end": None if end is None else _run_end_to_json(end),
         "holding": None if report.holding is None else _holding_to_json(report.holding),
+        "lateness": None if report.lateness is None else lateness_to_json(report.lateness),
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
@@ -232,109 +231,6 @@ def report_to_json(report: Report) -> dict[str, Any]:
 def _finite(value: float) -> float | None:
     """The number, or None, JSON's null, for one that JSON does not have."""
     return value if math.isfinite(value) else None
-
-
-def _object(**properties: Any) -> dict[str, Any]:
-    """A JSON schema of an object that has all of these properties and no others."""
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
-
-
-def report_schema() -> dict[str, Any]:
-    """JSON Schema (2020-12) of what ``report_to_json`` returns, version 1."""
-    ratio = {"type": ["number", "null"], "minimum": 0}
-    report = _object(
-        rota_report={"const": 1},
-        verdict=OUTCOMES,
-        robots=COUNT,
-        lower_bound_robots={
-            "type": ["integer", "null"],
-            "minimum": 0,
-            "description": "what the plan claims; the check does not prove it",
-        },
-        cells={
-            "description": "of a floor that is to be covered",
-            "oneOf": [{"type": "null"}, _object(entered=COUNT, of=COUNT)],
-        },
-        not_judged={"type": "array", "items": TEXT, "description": "what the plan says and the check leaves open"},
-        first_coverage_s=SECONDS_OR_NEVER,
-        holds_from_s={**SIZE, "description": "seconds from which on what is met is met in every period"},
-        run_end={
-            "description": "what the plan says of the end of a swarm's run; null: nothing",
-            "oneOf": [
-                {"type": "null"},
-                _object(
-                    at_rest={"type": "boolean"},
-                    steps=COUNT,
-                    reason={"enum": list(get_args(EndReason))},
-                    blocked={"type": "array", "items": TEXT, "description": "robots that want to move on and cannot"},
-                ),
-            ],
-        },
-        holding={
-            "description": "what a swarm has in range and sees through no wall where it holds, and ground that no robot"
-            " can reach; null: the plan is of no swarm",
-            "oneOf": [
-                {"type": "null"},
-                _object(
-                    ground_m2=SIZE,
-                    in_range_m2=SIZE,
-                    seen_m2=SIZE,
-                    unreached={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
-                    importance_in_range={**ratio, "description": "share of the ground's; null: none is stated"},
-                ),
-            ],
-        },
-        clock_margin_s={**ratio, "description": "by how much clocks may differ; null: by anything, or not judged"},
-        worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},
-        worst_ratio_at_least={**ratio, "description": "some gap is so many times its period; null: for ever"},
-        demands={"type": "array", "items": _demand_schema()},
-        violations={"type": "array", "items": _violation_schema()},
-        unmet_points=COUNT,
-        unmet_points_m={
-            "type": "array",
-            "maxItems": LISTED_POINTS,
-            "items": _object(x=NUMBER, y=NUMBER, demand=TEXT),
-        },
-    )
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "Rota report, version 1"}
-    return {**head, **report}
-
-
-def _demand_schema() -> dict[str, Any]:
-    """What a report says of one demand."""
-    gap = SECONDS_OR_NEVER
-    return _object(
-        name=TEXT,
-        period_s=NUMBER,
-        demand={"enum": ["every_point", "visit"]},
-        area_m2=SIZE,
-        worst_gap_s={**gap, "description": "no point waits longer; null: some of it is never seen"},
-        worst_gap_at_least_s={**gap, "description": "some point waits at least so long; null: for ever"},
-        unseen_area_m2=SIZE,
-        excluded_area_m2=SIZE,
-        excluded_places={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
-        undecided_cells=COUNT,
-        outcome=OUTCOMES,
-    )
-
-
-def _violation_schema() -> dict[str, Any]:
-    """What a report says of one violation."""
-    return _object(
-        kind={"type": "string", "enum": list(get_args(ViolationKind))},
-        who=TEXT,
-        place_m={"type": ["array", "null"], "items": NUMBER, "minItems": 2, "maxItems": 2},
-        time_s=SECONDS_OR_NEVER,
-        value={**SECONDS_OR_NEVER, "description": "in unit; null: without end"},
-        limit=NUMBER,
-        unit=TEXT,
-        text=TEXT,
-    )
 
 
 def number_text(value: float) -> str:

@@ -21,6 +21,7 @@ def report_table(report: Report) -> str:
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
     lines += _holding_lines(report)
+    lines += [] if report.lateness is None else report.lateness.lines()
     if report.clock_margin_s is not None:
         lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import contains_xy, prepare
 
-from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels, window_kernels
-from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, SeenTimes, Team, Ways
+from rota.check import gap_kernels, kernels, lateness_kernels, passing_kernels, tiling_kernels, window_kernels
+from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
 from rota.check.blocking import blocks_sight
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
@@ -35,7 +35,8 @@ class Sights:
 
     reach_m: the farthest that any robot sees, with a margin. walls: for places within bounds_m (x0, y0, x1, y1) and
     pieces within reach of their middles, since what hides part of one of these lies in reach of its middle, too.
-    window_s: None for a plan, which goes on for ever; from when to when for a recording.
+    window_s: None for a plan, which goes on for ever; from when to when for a recording. seam: of a plan that takes
+    over from another one: gaps are asked for that end after a moment.
     """
 
     routes: Routes
@@ -49,6 +50,7 @@ class Sights:
     reach_m: float
     hidden: Any
     window_s: tuple[float, float] | None = None
+    seam: SeamSights | None = None
 
     @functools.cached_property
     def far_walls(self) -> Binned:
@@ -63,6 +65,14 @@ class Sights:
         inside = x0 <= low[0] and y0 <= low[1] and high[0] <= x1 and high[1] <= y1
         small = math.sqrt(2) * pieces.sizes_m().max() <= self.reach_m
         return self.walls if inside and small else self.far_walls
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeamSights:
+    """What was seen before a plan took over, each leg once, and moments_s: see ``lateness_kernels.late_between``."""
+
+    before: Sights
+    moments_s: tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -146,10 +156,13 @@ def _ways_of(legs_m: Floats, robots: Ints, sensors: tuple[Floats, NDArray[np.boo
 
 def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
-    if not len(sights.team.reaches_m) or not len(pieces):
+    seam = sights.seam
+    if not len(pieces) or not (len(sights.team.reaches_m) or seam):
         return _never(len(pieces))
 
     def gaps_of(*arguments: Any) -> Any:
+        if seam is not None:
+            return lateness_kernels.late_gaps(*arguments)[:4]
         if sights.window_s is None:
             return kernels.worst_gaps(*arguments)
         within = (*arguments[:2], *arguments[3:], sights.window_s)  # limits say nothing there
@@ -165,7 +178,7 @@ def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     Only robots that drive one leg again and again count. The gap is inf where that does not show that all of a piece is
     seen; so it is for a recording.
     """
-    if not len(sights.team.reaches_m) or not len(pieces) or sights.window_s is not None:
+    if not len(sights.team.reaches_m) or not len(pieces) or sights.window_s is not None or sights.seam is not None:
         return _never(len(pieces))
     gaps_s, firsts_s = _in_parts(passing_kernels.passing_gaps, sights, pieces, limits_s)
     n = len(pieces)
@@ -194,8 +207,21 @@ def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, .
     """What ``worst_gaps`` and ``passing_gaps`` are given."""
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
     limits = np.ascontiguousarray(limits_s, np.float64)
-    walls = sights.walls_for(pieces)
-    return pieces.offsets, corners, limits, sights.slack_m, sights.grid, sights.legs, sights.team, walls
+    seen = sights.grid, sights.legs, sights.team, sights.walls_for(pieces)
+    if (seam := sights.seam) is not None:
+        old = seam.before
+        before = Scene(old.grid, old.legs, old.team, old.walls_for(pieces))
+        return pieces.offsets, corners, limits, sights.slack_m, Scene(*seen), before, seam.moments_s
+    return pieces.offsets, corners, limits, sights.slack_m, *seen
+
+
+def late_points(sights: Sights, points_m: Floats, period_s: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """``late_between`` of points (n, 2): four arrays (n,)."""
+    periods_s = np.full(len(points_m), period_s)
+    if not len(points_m):
+        return periods_s, periods_s, periods_s, periods_s
+    found = _in_parts(lateness_kernels.late_gaps, sights, point_pieces(points_m), periods_s)
+    return found[0], found[1], found[4], found[5]
 
 
 def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:

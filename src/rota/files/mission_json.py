@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from shapely import MultiPolygon
@@ -21,9 +22,11 @@ def mission_to_json(mission: Mission) -> Json:
     return {**told, "planner": planner, planner: settings}
 
 
-def block_to_json(block: Any) -> Json:
-    """A part of a mission likewise."""
-    return in_file_form(block, lambda value: polygons_to_json(value) if isinstance(value, MultiPolygon) else value)
+def block_to_json(block: Any, without: Collection[str] = ()) -> Json:
+    """A part of a mission or a plan likewise; without: fields to leave out."""
+    return in_file_form(
+        block, lambda value: polygons_to_json(value) if isinstance(value, MultiPolygon) else value, without
+    )
 
 
 def obstacle_to_json(obstacle: Obstacle) -> Json:

@@ -12,9 +12,8 @@ from rota.files.atomic_write import write_atomically
 from rota.files.blocks import make, read_block
 from rota.files.json_text import digest_of, unique_keys
 from rota.files.local_file import read_bytes
-from rota.files.mission_json import mission_to_json
+from rota.files.mission_json import block_to_json, mission_to_json
 from rota.files.plan_schema import PLAN_VERSION, plan_block
-from rota.model.field_values import in_file_form
 from rota.model.fields import fields_of
 from rota.model.plan import Plan
 from rota.model.refusals import path_of
@@ -53,7 +52,7 @@ def _line(value: object) -> str:
 
 def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     """The plan as plain dicts, lists, strings and numbers, as the plan file holds it."""
-    mission, told = mission_to_json(plan.mission), in_file_form(plan, without=("mission",))
+    mission, told = mission_to_json(plan.mission), block_to_json(plan, without=("mission",))
     bound = {name: told.pop(name) for name in list(told) if name.startswith("lower_bound")}
     head = {"rota_plan": PLAN_VERSION, "seed": told.pop("seed"), "mission_sha256": digest_of(mission), **bound}
     return {

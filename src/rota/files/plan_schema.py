@@ -17,7 +17,7 @@ from rota.model.fields import Field, field_of, fields_of
 from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
 from rota.model.importance import ImportanceMap
 from rota.model.mission import GeoPoint, Lane, Mission, MovingObstacle, Obstacle, Zone
-from rota.model.plan import Plan, RunEnd
+from rota.model.plan import Driven, Plan, RunEnd, Seam
 from rota.model.planner_registry import PLANNERS, planner_names
 from rota.model.refusals import Where, inner
 from rota.model.trajectory import PLACES, Trajectory, Waypoints
@@ -126,7 +126,7 @@ def _known_blocks() -> dict[Any, Block | Field]:
     }  # fmt: skip
     for kind, makes in (
         (GeoPoint, GeoPoint), (Lane, Lane), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle),
-        (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet),
+        (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet), (Driven, partial(make, Driven)), (Seam, Seam),
     ):  # fmt: skip
         known[kind] = block_of(kind, "plan", known, makes=makes)
     return known

@@ -13,6 +13,7 @@ from rota.errors import PlanError
 from rota.model.fields import field_of
 from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
+from rota.model.seam import Driven as Driven, Seam as Seam
 from rota.model.trajectory import Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
 
 if TYPE_CHECKING:
@@ -95,7 +96,8 @@ class Plan:
     ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
 
     ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told. ``run_end``: how the
-    run of a swarm ended; None: not told, and for other planners.
+    run of a swarm ended; None: not told, and for other planners. ``seam``: where the plan takes over from another one,
+    and what was driven before; None: it does not.
 
     Raises PlanError for two trajectories of one robot, for positions more than 1e6 m away from the mission's area and
     for heights of robots that are no swarm's: swarms with ``altitudes_m`` have them, and records of flights over hills.
@@ -108,6 +110,9 @@ class Plan:
     )
     run_end: RunEnd | None = field_of(
         None, "of a swarm: whether its robots were at rest; absent: not told", newer=True, spared=True
+    )
+    seam: Seam | None = field_of(
+        None, "where it takes over from another plan; absent: it does not", newer=True, spared=True
     )
     mission: Mission = field_of()
     trajectories: tuple[Trajectory, ...] = field_of(key="robots", count=((0, None),))
@@ -123,6 +128,8 @@ class Plan:
             raise PlanError(f"run_end: only swarms have runs; the planner is {planning.planner}")
         for name in () if self.run_end is None else self.run_end.blocked:
             self.mission.fleet.robot(name)
+        if self.seam is not None and (back := set(self.seam.lost) & set(counted)):
+            raise PlanError(f"seam: robot {min(back)} is lost, and has a trajectory all the same")
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, planning.makes_runs)

@@ -21,10 +21,20 @@ TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}
 BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
 
 
-def _freeze(values: object) -> Floats:
+def freeze(values: object) -> Floats:
+    """An array of numbers that nobody can change."""
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
+
+
+def bends_of(times_s: Floats, positions_m: Floats, accelerations_m_s2: Floats | None) -> Floats:
+    """How the ways along legs (n - 1,) bend in time; see ``Trajectory.bends``."""
+    if accelerations_m_s2 is None:
+        return np.zeros(len(times_s) - 1)
+    lengths = np.sqrt((np.diff(positions_m, axis=0) ** 2).sum(axis=1))
+    swept = accelerations_m_s2 * np.diff(times_s) ** 2 / 2
+    return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,8 +58,8 @@ class Waypoints:
     speed_m_s: float = field_of(meaning="told for every leg", above=0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "places_m", _freeze(self.places_m))
-        object.__setattr__(self, "times_s", _freeze(self.times_s))
+        object.__setattr__(self, "places_m", freeze(self.places_m))
+        object.__setattr__(self, "times_s", freeze(self.times_s))
         places, times = self.places_m, self.times_s
         if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or times.shape != (len(places) + 1,):
             raise PlanError(f"waypoints: places {places.shape}, times {times.shape}; (k, 2) and (k + 1,) with k >= 2")
@@ -97,12 +107,12 @@ class Trajectory:
     waypoints: Waypoints | None = field_of(None, newer=True, spared=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times_s", _freeze(self.times_s))
-        object.__setattr__(self, "positions_m", _freeze(self.positions_m))
+        object.__setattr__(self, "times_s", freeze(self.times_s))
+        object.__setattr__(self, "positions_m", freeze(self.positions_m))
         if self.headings_rad is not None:
-            object.__setattr__(self, "headings_rad", _freeze(self.headings_rad))
+            object.__setattr__(self, "headings_rad", freeze(self.headings_rad))
         if self.accelerations_m_s2 is not None:
-            object.__setattr__(self, "accelerations_m_s2", _freeze(self.accelerations_m_s2))
+            object.__setattr__(self, "accelerations_m_s2", freeze(self.accelerations_m_s2))
         object.__setattr__(self, "loop_start_s", float(self.loop_start_s))
         times, positions = self.times_s, self.positions_m
         if times.ndim != 1 or not len(times):
@@ -175,11 +185,7 @@ class Trajectory:
 
         0 at constant speed; 1 from rest, -1 to rest. A leg of no length has 0.
         """
-        if self.accelerations_m_s2 is None:
-            return np.zeros(len(self.times_s) - 1)
-        lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
-        swept = self.accelerations_m_s2 * np.diff(self.times_s) ** 2 / 2
-        return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
+        return bends_of(self.times_s, self.positions_m, self.accelerations_m_s2)
 
     def at(self, times_s: object) -> Floats:
         """Positions (..., d) in metres at the times (...) in seconds, a number or an array, in any round.

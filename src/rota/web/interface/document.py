@@ -8,7 +8,7 @@ from http import HTTPStatus
 from importlib.metadata import version
 from typing import Any
 
-from rota.check.report import report_schema
+from rota.check.report_schema import report_schema
 from rota.files.mission_file import mission_schema
 from rota.files.plan_schema import plan_schema
 from rota.web.interface.operations import OPERATIONS, UPLOAD, Operation
