@@ -38,10 +38,12 @@ if TYPE_CHECKING:
     from rota.planners.swarm.planner_settings import SwarmSettings
     from rota.planning.make_plan import PlanSearch, make_plan, search_plan
     from rota.planning.planner import prove_bound
+    from rota.rehearsal import DemandOutcome, Rehearsal, draw_rehearsal, rehearse
 
 __all__ = [
     "BounceSettings",
     "CheckpointError",
+    "DemandOutcome",
     "DemandVerdict",
     "DiscSensor",
     "Fleet",
@@ -57,6 +59,7 @@ __all__ = [
     "Plan",
     "PlanError",
     "PlanSearch",
+    "Rehearsal",
     "Report",
     "Robot",
     "RotaError",
@@ -72,12 +75,14 @@ __all__ = [
     "draw_cells",
     "draw_gaps",
     "draw_plan",
+    "draw_rehearsal",
     "export_plan",
     "make_plan",
     "prove_bound",
     "read_checkpoint",
     "read_mission",
     "read_plan",
+    "rehearse",
     "search_plan",
     "worst_gaps_s",
     "write_checkpoint",
@@ -119,6 +124,7 @@ _MODULES = {
     "rota.planners.bounce.planner_settings": ["BounceSettings"],
     "rota.planners.patrol.planner_settings": ["PatrolSettings"],
     "rota.planners.swarm.planner_settings": ["SwarmSettings"],
+    "rota.rehearsal": ["DemandOutcome", "Rehearsal", "draw_rehearsal", "rehearse"],
     "rota.planning.make_plan": ["make_plan", "search_plan", "PlanSearch"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -31,6 +31,7 @@ from rota.command.other_mission import plan_for_mission
 from rota.command.page import page
 from rota.command.plan import plan_and_write
 from rota.command.registry import Commands
+from rota.command.rehearse import rehearse
 from rota.command.ros2 import ros2
 from rota.command.serve import serve
 from rota.command.start import new, schema
@@ -202,6 +203,7 @@ def check(
 
 
 app.command()(straighten)
+app.command()(rehearse)
 
 
 @app.command()

@@ -14,6 +14,7 @@ from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_p
 from rota.check.routes import HOLD, LOOP
 from rota.check.shadow_kernels import shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
+from rota.check.timing_kernels import time_along
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
 
@@ -67,13 +68,13 @@ def planned_sights(points, slack_m, grid, legs, team, walls):
             if lo > hi:
                 continue
             kept = leg_sights(piece, leg, lo, hi, shadows, slack_m, parts)
-            t0, t1 = legs.times_s[m, 0], legs.times_s[m, 1]
+            t0, t1, bend = legs.times_s[m, 0], legs.times_s[m, 1], legs.bends[m]
             if n + kept > len(starts):
                 room = n + kept
                 robots, again = np.append(robots, np.empty(room, np.int64)), np.append(again, np.empty(room, np.bool_))
                 starts, ends = np.append(starts, np.empty(room)), np.append(ends, np.empty(room))
             for p in range(kept):
-                start, end = t0 + parts.starts[p] * (t1 - t0), t0 + parts.ends[p] * (t1 - t0)
+                start, end = time_along(t0, t1, bend, parts.starts[p]), time_along(t0, t1, bend, parts.ends[p])
                 if legs.kinds[m] == HOLD:
                     end = math.inf
                 repeats = legs.kinds[m] == LOOP

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.check.demands import visits
 from rota.check.revisits import Sights
 from rota.check.routes import HOLD, LOOP
+from rota.check.timing_kernels import time_along
 from rota.live import kernels
 from rota.live.kernels import PlannedSights
 
@@ -37,9 +38,9 @@ def _visits(sights: Sights, region: object) -> list[Sight]:
     routes = sights.routes
     found: list[Sight] = []
     for leg, lo, hi in visits(routes.legs_m, region, sights.slack_m):
-        t0, t1 = (float(time) for time in routes.times_s[leg])
-        end = math.inf if routes.kinds[leg] == HOLD else t0 + hi * (t1 - t0)
-        row = (int(routes.robots[leg]), t0 + lo * (t1 - t0), end, bool(routes.kinds[leg] == LOOP))
+        start, end = (float(time_along(*routes.times_s[leg], routes.bends[leg], share)) for share in (lo, hi))
+        end = math.inf if routes.kinds[leg] == HOLD else end
+        row = (int(routes.robots[leg]), start, end, bool(routes.kinds[leg] == LOOP))
         before = found[-1] if found else None
         if before and before[0] == row[0] and before[3] == row[3] and row[1] <= before[2] + kernels.SAME_S:
             found[-1] = (row[0], before[1], max(before[2], row[2]), row[3])

@@ -1,0 +1,73 @@
+"""Which bodies touch in one run."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.tolerances import TOUCH_M
+from rota.model.plan import Plan
+from rota.model.trajectory import Trajectory
+from rota.rehearsal import contact_kernels
+from rota.rehearsal.contact_kernels import Legs, Track
+from rota.rehearsal.kernels import Driven
+
+Floats = NDArray[np.float64]
+Pair = tuple[int, int, float]
+
+
+class Contact(NamedTuple):
+    """That the bodies of two robots touch: who, when and where. stands: one of them had failed."""
+
+    robots: tuple[int, int]
+    time_s: float
+    place_m: tuple[float, float]
+    stands: bool
+
+
+def pairs_near(plan: Plan) -> tuple[Pair, ...]:
+    """The robots, two at a time, whose ways come so near that bodies can touch, and how far apart these must stay."""
+    bodies_m = [plan.mission.fleet.robot(way.robot).body_radius_m for way in plan]
+    lines = [_line(way) for way in plan]
+    found = []
+    for a, b in combinations(range(len(lines)), 2):
+        apart_m = bodies_m[a] + bodies_m[b] - TOUCH_M
+        if apart_m > 0 and shapely.dwithin(lines[a], lines[b], apart_m):
+            found.append((a, b, apart_m))
+    return tuple(found)
+
+
+def contacts_of(plan: Plan, pairs: tuple[Pair, ...], driven: Driven) -> list[Contact]:
+    """The first contact of each two robots while both drive, and the first when one of them stands since it failed."""
+    tracks = {robot: _track(plan.trajectories[robot], driven, robot) for pair in pairs for robot in pair[:2]}
+    found = []
+    for a, b, apart_m in pairs:
+        fails_s = min(float(driven.fails_s[[a, b]].min()), driven.end_s)
+        for from_s, to_s, stands in ((0.0, fails_s, False), (fails_s, driven.end_s, True)):
+            time_s, x, y = contact_kernels.first_touch(tracks[a], tracks[b], apart_m, from_s, to_s)
+            if math.isfinite(time_s):
+                found.append(Contact((a, b), float(time_s), (float(x), float(y)), stands))
+    return found
+
+
+def _track(way: Trajectory, driven: Driven, robot: int) -> Track:
+    """Where a robot is in a run."""
+    places_m = np.zeros((len(way.times_s), 3))
+    places_m[:, : way.positions_m.shape[1]] = way.positions_m
+    legs = Legs(way.times_s.copy(), places_m, np.array(way.bends), way.loop_index)
+    rounds = 2 + int(driven.end_s / way.loop_duration_s) if way.loop_duration_s else 1
+    room = driven.times_s.shape[1] + rounds * len(way.times_s) + 3
+    times_s, at_m, bows_m = np.empty(room), np.empty((room, 3)), np.zeros((room, 3))
+    n = contact_kernels.lay_track(legs, driven, robot, times_s, at_m, bows_m)
+    return Track(times_s[:n].copy(), at_m[:n].copy(), bows_m[:n].copy())
+
+
+def _line(way: Trajectory) -> object:
+    flat_m = way.positions_m[:, :2]
+    moves = len(flat_m) > 1 and np.ptp(flat_m, axis=0).any()
+    return shapely.linestrings(flat_m) if moves else shapely.points(flat_m[0])

@@ -1,0 +1,101 @@
+"""A rehearsal as plain text, for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from rota.rehearsal.conditions import Conditions
+from rota.rehearsal.estimates import Estimate
+from rota.rehearsal.outcome import DemandOutcome, Rehearsal
+
+ROUNDING = 1e-12  # of a share
+HEAD = ("demand", "period s", "places", "available %", "worst late s", "runs on time %")
+
+
+def rehearsal_table(made: Rehearsal) -> str:
+    """The rehearsal as plain text: the conditions, the share of what is asked, one row per demand, what was worst."""
+    lines = [f"{_runs_text(made)}: {conditions_text(made.conditions)}"]
+    lines.append(f"available: {percent_text(made.available)} % of all that is asked, in area and time")
+    if made.conditions.failures_per_hour:
+        lines.append(f"robots that fail: {number_text(made.failed, 2)} in a run")
+    if made.runs > 1:
+        lines.append("in brackets: 95 % confidence intervals")
+    rows = [HEAD, *(_row(each) for each in made.demands)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
+    lines.append("")
+    for name, *cells in rows:
+        right = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
+        lines.append("  ".join([name.ljust(widths[0]), *right]))
+    lines += _contact_lines(made)
+    lines += [_worst_text(each) for each in made.demands if each.late_s.mean > 0]
+    return "\n".join(lines)
+
+
+def _contact_lines(made: Rehearsal) -> list[str]:
+    """What is told of bodies that touch."""
+    contacts = made.contacts
+    if contacts is None:
+        return ["contacts: no two ways come so near each other that bodies can touch"]
+    driving, standing = percent_text(contacts.driving), percent_text(contacts.standing)
+    told = f"contacts: bodies of robots that drive touch in {driving} % of the runs"
+    if made.conditions.failures_per_hour:
+        told += f", with one that has failed in {standing} %"
+    return [told, *([f"first: {contacts.first}"] if contacts.first else [])]
+
+
+def conditions_text(asked: Conditions) -> str:
+    """What may go wrong, in words."""
+    told = []
+    if asked.failures_per_hour:
+        told.append(f"each robot fails {asked.failures_per_hour:g} times an hour")
+    if asked.speed_noise:
+        told.append(f"speeds vary by {100 * asked.speed_noise:g} %")
+    if asked.wind_m_s:
+        where = "anywhere" if asked.wind_from_deg is None else f"{asked.wind_from_deg:g} degrees"
+        told.append(f"wind of {asked.wind_m_s:g} m/s from {where}")
+    kept = "nobody keeps them in phase" if asked.hands_off else "all wait for who is late"
+    return ", ".join([*told, kept] if told else ["all goes by plan"])
+
+
+def percent_text(share: Estimate) -> str:
+    """A share in percent with its interval; what is not all of it does not look like all."""
+
+    def percent(value: float) -> str:
+        rounded = f"{100 * value:.1f}"
+        return f"{math.floor(1e5 * value) / 1e3:.3f}" if rounded == "100.0" and value < 1 - ROUNDING else rounded
+
+    return _with_interval(share, percent)
+
+
+def number_text(value: Estimate, digits: int) -> str:
+    """A mean with its interval, where there is one that is not a single number."""
+    return _with_interval(value, lambda each: f"{each:.{digits}f}")
+
+
+def _with_interval(value: Estimate, text: Callable[[float], str]) -> str:
+    if value.low is None or value.high is None or value.low == value.high:
+        return text(value.mean)
+    return f"{text(value.mean)} ({text(value.low)} to {text(value.high)})"
+
+
+def _runs_text(made: Rehearsal) -> str:
+    runs = "1 run" if made.runs == 1 else f"{made.runs} runs"
+    robots = "1 robot" if made.robots == 1 else f"{made.robots} robots"
+    return f"{runs} of {made.conditions.hours:g} h, {robots}, seed {made.seed}"
+
+
+def _row(each: DemandOutcome) -> tuple[str, ...]:
+    return (
+        each.name,
+        f"{each.period_s:g}",
+        f"{each.places}",
+        percent_text(each.available),
+        number_text(each.late_s, 1 if each.late_s.mean < 100 else 0),
+        percent_text(each.on_time),
+    )
+
+
+def _worst_text(each: DemandOutcome) -> str:
+    x, y = each.worst_place_m
+    return f"worst of {each.name}: unseen for {each.worst_gap_s:.1f} s at ({x:.2f}, {y:.2f}) in run {each.worst_run}"
