@@ -114,7 +114,7 @@ def _draw_shares(mission: Mission, made: Availability, ax: Axes) -> AxesImage:
         zorder=1.2,
         clip_path=area,
     )
-    draw_zone_labels(mission, ax)
+    draw_zone_labels(mission, ax, brief=True)
     return image
 
 

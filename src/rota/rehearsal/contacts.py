@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -32,14 +31,16 @@ class Contact(NamedTuple):
 
 def pairs_near(plan: Plan) -> tuple[Pair, ...]:
     """The robots, two at a time, whose ways come so near that bodies can touch, and how far apart these must stay."""
-    bodies_m = [plan.mission.fleet.robot(way.robot).body_radius_m for way in plan]
-    lines = [_line(way) for way in plan]
-    found = []
-    for a, b in combinations(range(len(lines)), 2):
-        apart_m = bodies_m[a] + bodies_m[b] - TOUCH_M
-        if apart_m > 0 and shapely.dwithin(lines[a], lines[b], apart_m):
-            found.append((a, b, apart_m))
-    return tuple(found)
+    bodies_m = np.array([plan.mission.fleet.robot(way.robot).body_radius_m for way in plan])
+    widest_m = float(np.sort(bodies_m)[-2:].sum()) - TOUCH_M
+    if widest_m <= 0:
+        return ()
+    lines = np.array([_line(way) for way in plan])
+    a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=widest_m)
+    a, b = a[a < b], b[a < b]
+    apart_m = bodies_m[a] + bodies_m[b] - TOUCH_M
+    near = (apart_m > 0) & shapely.dwithin(lines[a], lines[b], apart_m)
+    return tuple(sorted(zip(a[near].tolist(), b[near].tolist(), apart_m[near].tolist(), strict=True)))
 
 
 def contacts_of(plan: Plan, pairs: tuple[Pair, ...], driven: Driven) -> list[Contact]:

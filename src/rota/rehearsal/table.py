@@ -9,6 +9,7 @@ from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.estimates import Estimate
 from rota.rehearsal.outcome import DemandOutcome, Rehearsal
 
+TOLD = 5  # demands whose worst gap is told with its place, the latest first
 ROUNDING = 1e-12  # of a share
 HEAD = ("demand", "period s", "places", "available %", "worst late s", "runs on time %")
 
@@ -28,7 +29,8 @@ def rehearsal_table(made: Rehearsal) -> str:
         right = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
         lines.append("  ".join([name.ljust(widths[0]), *right]))
     lines += _contact_lines(made)
-    lines += [_worst_text(each) for each in made.demands if each.late_s.mean > 0]
+    late = sorted((each for each in made.demands if each.late_s.mean > 0), key=lambda each: -each.late_s.mean)
+    lines += [_worst_text(each) for each in late[:TOLD]]
     return "\n".join(lines)
 
 
