@@ -18,6 +18,7 @@ PATROL_STAGES = [
     [
         "planner_settings",
         "lane_refusals",
+        "charging_refusals",
         "method_table",
         "work_ahead",
         "method_settings",
@@ -32,7 +33,7 @@ PATROL_STAGES = [
     ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],
-    ["route_graph"],
+    ["route_graph", "relief"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from rota.errors import MissionError
+from rota.model.battery_limits import ENDLESS
 from rota.model.fields import AS_FLEET
 from rota.model.fleet import ABILITIES, DiscSensor, Fleet, Robot, SquareSensor, StartPoints
 from rota.model.mission import GeoPoint, MovingObstacle, Zone
@@ -42,7 +43,14 @@ def test_a_robot_has_from_its_fleet_what_it_does_not_say() -> None:
     ]
     like, slow, free = fleet_with(robots=robots, body_radius_m=0.3, motion=motion).robots or ()
     assert like == Robot(
-        name="like", speed_m_s=5, sensor=WIDE, body_radius_m=0.3, turn_rate_rad_s=None, turn_radius_m=0, motion=motion
+        name="like",
+        speed_m_s=5,
+        sensor=WIDE,
+        body_radius_m=0.3,
+        turn_rate_rad_s=None,
+        turn_radius_m=0,
+        motion=motion,
+        battery=ENDLESS,
     )
     assert (slow.speed_m_s, slow.sensor, slow.motion) == (1, WIDE, motion)
     assert (free.motion, free.body_radius_m, free.start) == (MotionLimits(), 0.3, (1.0, 2.0))

@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.bouncing import bounce_violations
+from rota.check.charging import charging_violations
 from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.entrances import entrance_violations
@@ -232,7 +233,8 @@ def _violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += _late_violations(plan) + lane_violations(plan) + seam_violations(plan)
-    return violations + moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
+    violations += moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
+    return violations + charging_violations(plan)
 
 
 def _unjudged_headings(plan: Plan) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from shapely import contains_xy, prepare
 from rota.check import gap_kernels, kernels, lateness_kernels, passing_kernels, tiling_kernels, window_kernels
 from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
 from rota.check.blocking import blocks_sight
+from rota.check.charging import undocked_routes
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
@@ -90,7 +91,9 @@ class Gaps:
 
 def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
     """Legs and walls of a plan in a grid over ``bounds_m`` (x0, y0, x1, y1 of all places that will be asked)."""
-    return sights_along(seeing_routes(routes_of(plan), plan), sensors_of(plan), plan.mission, bounds_m)
+    return sights_along(
+        seeing_routes(undocked_routes(routes_of(plan), plan), plan), sensors_of(plan), plan.mission, bounds_m
+    )
 
 
 def sights_along(

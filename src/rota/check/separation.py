@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.approach import gaps_at, nearest_shares
+from rota.check.charging import undocked_routes
 from rota.check.motion import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
@@ -53,7 +54,7 @@ def separation_violations(plan: Plan) -> list[Violation]:
     multiples of the periods' common measure, or all shifts where there is none. ``time_s`` None: at some time in the
     loops. Bouncing robots count as a thousandth of a cell wide at least, so that no two are in one place.
     """
-    routes = routes_of(plan)
+    routes = undocked_routes(routes_of(plan), plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
     rules = plan.mission.planning.bouncing
     if rules is not None:

@@ -21,6 +21,7 @@ TURN_TOLERANCE_RAD = 1e-9  # a turn may take no time up to this angle
 RADIUS_TOLERANCE = 1e-9  # arcs may have a radius smaller than the turn radius by this share
 TURN_OFF_SHARE = 5e-3  # legs may leave the curve that a robot drives by this share of its turn radius
 ACCELERATION_TOLERANCE = 1e-6  # a robot may exceed its accelerations, and its jerk, by this share
+BATTERY_S = 1e-6  # a battery may fall below its reserve by so many seconds of driving
 OFF_M = 0.05  # a motion that keeps the limits may be off the plan by this, where the plan's velocity jumps
 CLOCK_TOLERANCE = 1e-9  # the clocks' margin may fall short of what the mission asks by this share
 BOUNCE_TOLERANCE_RAD = 1e-6  # a bounce, and the way a robot faces, may be off by this angle

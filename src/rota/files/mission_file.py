@@ -18,7 +18,7 @@ from rota.files.local_file import read_text
 from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, listed_robots
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import mission_block
-from rota.files.mission_starts import entrance_warnings, fleet_at_its_starts, lanes_of, moving_obstacles
+from rota.files.mission_starts import chargers_of, entrance_warnings, fleet_at_its_starts, lanes_of, moving_obstacles
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.model.fields import fields_of
 from rota.model.mission import (
@@ -233,6 +233,7 @@ def _mission(file: Values, ground: Ground) -> Mission:
     values["fleet"] = fleet_at_its_starts(fleet_of(file["fleet"]), file, ground)[0]
     values["moving_obstacles"] = moving_obstacles(file, ground)
     values["lanes"] = lanes_of(file, ground)
+    values["chargers"] = chargers_of(file, ground)
     if ground.lanes:
         values["period_s"] = None  # it is that of the graph's places
     return Mission(**values, planning=_planning(file))

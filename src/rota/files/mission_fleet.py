@@ -9,6 +9,7 @@ from typing import Any
 from rota.files.blocks import Fault, make
 from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
+from rota.model.battery_limits import BATTERY_FIELDS, battery_faults
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
 from rota.model.fleet import TURNS_ONE_WAY, Abilities, Fleet, Robot
 from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
@@ -22,7 +23,7 @@ ABLE = flat_fields_of(Abilities)
 # of which null says no more than leaving them out
 AS_NOTHING = {item.name for item in ABLE if not (item.optional or item.empty)} | {"vehicle"}
 # from the fleet unless a robot's vehicle presets them
-NOT_OF_VEHICLES = (*(item.name for item in fields_of(Abilities) if not item.flat), "wind_m_s")
+NOT_OF_VEHICLES = (*(item.name for item in fields_of(Abilities) if not item.flat), "wind_m_s", *BATTERY_FIELDS)
 Values = dict[str, Any]  # of a block of the file, those that are given, by their names
 
 
@@ -85,7 +86,7 @@ def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
         values["vehicle"] = None
     if values["acceleration_m_s2"] is None:
         values |= {name: getattr(AT_ONCE, name) for name in NEED_MASS if not given.get(name)}
-    values |= {name: 0.0 for name in ("corner_m", "wind_m_s") if values[name] is None}
+    values |= {name: 0.0 for name in ("corner_m", "wind_m_s", "reserve_s") if values[name] is None}
     top = values["top_airspeed_m_s"]
     if "speed_m_s" in preset and "speed_m_s" not in given and top is not None and values["wind_m_s"] < top:
         values["speed_m_s"] = min(values["speed_m_s"], top - values["wind_m_s"])
@@ -141,6 +142,7 @@ def _driving_faults(driving: Driving) -> Iterator[Fault]:
     """What does not go together of one robot, or of what a fleet has in common."""
     values, places, vehicle = driving.values, driving.places, driving.vehicle
     found = list(motion_faults(values)) or list(driving_faults(values))
+    found += battery_faults(values)
     for name, allowed in found:
         yield Fault(
             places[name],

@@ -15,7 +15,18 @@ from rota.files.map_entrances import entrances_on_map
 from rota.files.mission_fleet import Values, listed_robots
 from rota.files.mission_ground import Ground
 from rota.files.yaml_text import Place
-from rota.model.mission import Fleet, Lane, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
+from rota.model.mission import (
+    Charger,
+    Fleet,
+    Lane,
+    Mission,
+    MovingObstacle,
+    StartBox,
+    StartPoints,
+    charger_faults,
+    corner_faults,
+    start_faults,
+)
 from rota.model.planner_registry import DEFAULT
 from rota.model.refusals import path_of
 from rota.planning.planner import planner_named
@@ -54,10 +65,13 @@ def fleet_at_its_starts(fleet: Fleet, file: Values, ground: Ground) -> tuple[Fle
     faults = start_faults(ground.area, _blocking(ground), placed) + corner_faults(
         ground.area, _blocking(ground), placed
     )
+    faults += charger_faults(ground.area, _blocking(ground), placed, chargers_of(file, ground))
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
         where |= {f"fleet.rally_points[{k}]": (*RALLY_POINTS, k) for k in range(len(placed.rally_points))}
-        where |= _corner_places(block)
+        where |= _corner_places(block) | {"chargers": ("chargers",), "fleet.recharge_s": ("fleet", "recharge_s")}
+        for k in range(len(file.get("chargers", ()))):
+            where |= {f"chargers[{k}].{name}": ("chargers", k, name) for name in ("name", "at")}
         return fleet, [
             Fault(where[field], f"its corner_m of {message}" if where[field][-1] == "vehicle" else message)
             for field, message in faults
@@ -87,6 +101,18 @@ def moving_obstacles(file: Values, ground: Ground) -> tuple[MovingObstacle, ...]
             raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
         moving.append(MovingObstacle(**{**block, "positions_m": positions}))
     return tuple(moving)
+
+
+def chargers_of(file: Values, ground: Ground) -> tuple[Charger, ...]:
+    """The mission's chargers in local metres. Raises MissionError for a place that no projection holds."""
+    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
+    chargers = []
+    for k, block in enumerate(file.get("chargers", ())):
+        try:
+            chargers.append(Charger(**{**block, "at": to_metres(_Written(("chargers", k, "at"), block["at"]))}))
+        except _Misplaced as error:
+            raise MissionError(*(f"chargers[{k}]: {fault.message}" for fault in error.faults)) from None
+    return tuple(chargers)
 
 
 def lanes_of(file: Values, ground: Ground) -> tuple[Lane, ...]:

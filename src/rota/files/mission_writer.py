@@ -98,8 +98,8 @@ def _robot(robot: Robot, fleet: Fleet) -> Json:
 
 def _driving(block: Fleet | Robot) -> Json:
     """All that a fleet or a robot can do, also where that is no limit."""
-    written, motion = block_to_json(block), vars(block.motion)
-    return {name: written.get(name, motion[name] if name in motion else getattr(block, name)) for name in DRIVING}
+    written, able = block_to_json(block), {**vars(block), **vars(block.motion), **vars(block.battery)}
+    return {name: written.get(name, able[name]) for name in DRIVING}
 
 
 def _zone(zone: Zone) -> Json:

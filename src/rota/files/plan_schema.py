@@ -16,11 +16,11 @@ from rota.files.mission_schema import row_faults, start_faults
 from rota.model.fields import Field, field_of, fields_of
 from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
 from rota.model.importance import ImportanceMap
-from rota.model.mission import GeoPoint, Lane, Mission, MovingObstacle, Obstacle, Zone
+from rota.model.mission import Charger, GeoPoint, Lane, Mission, MovingObstacle, Obstacle, Zone
 from rota.model.plan import Driven, Plan, RunEnd, Seam
 from rota.model.planner_registry import PLANNERS, planner_names
 from rota.model.refusals import Where, inner
-from rota.model.trajectory import PLACES, Trajectory, Waypoints
+from rota.model.trajectory import PLACES, Charge, Trajectory, Waypoints
 from rota.planning.planner import loadable_planners, planner_named
 
 PLAN_VERSION = 1
@@ -120,13 +120,14 @@ def _known_blocks() -> dict[Any, Block | Field]:
         ImportanceMap: block_of(ImportanceMap, "plan", makes=ImportanceMap, rules=row_faults),
         Start: block_of(Start, "plan", makes=_start, rules=start_faults),
         Trajectory: block_of(
-            Trajectory, "plan", {Waypoints: block_of(Waypoints, "plan", makes=Waypoints)},
+            Trajectory, "plan", {kind: block_of(kind, "plan", makes=kind) for kind in (Waypoints, Charge)},
             makes=partial(make, Trajectory), rules=_trajectory_faults,
         ),
     }  # fmt: skip
     for kind, makes in (
-        (GeoPoint, GeoPoint), (Lane, Lane), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd), (Obstacle, Obstacle),
-        (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet), (Driven, partial(make, Driven)), (Seam, Seam),
+        (GeoPoint, GeoPoint), (Lane, Lane), (Charger, Charger), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd),
+        (Obstacle, Obstacle), (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet),
+        (Driven, partial(make, Driven)), (Seam, Seam),
     ):  # fmt: skip
         known[kind] = block_of(kind, "plan", known, makes=makes)
     return known

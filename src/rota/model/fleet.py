@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from rota.errors import MissionError
+from rota.model.battery_limits import ENDLESS, BatteryLimits
 from rota.model.field_values import check_fields
 from rota.model.fields import AS_FLEET, REQUIRED, field_of
 from rota.model.limits import COORDINATE, LARGEST_M, LENGTH, LENGTH_OR_ZERO, LONGEST_S, MOMENT, RATE
@@ -114,6 +115,7 @@ class Abilities:
         spared=True,
     )
     motion: MotionLimits = field_of(AT_ONCE, flat=True)
+    battery: BatteryLimits = field_of(ENDLESS, flat=True)
 
     def __init_subclass__(cls, *, as_fleet: bool = False) -> None:
         for item in dataclasses.fields(Abilities) if as_fleet else ():

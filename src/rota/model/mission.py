@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -13,6 +12,8 @@ import shapely
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import MissionError
+from rota.model.batteries import Charger as Charger, charger_faults as charger_faults
+from rota.model.battery_limits import BATTERY_FIELDS
 from rota.model.corner_faults import corner_faults as corner_faults
 from rota.model.field_values import check_fields, in_file_form
 from rota.model.fields import field_of, fields_of, flat_fields_of
@@ -31,8 +32,9 @@ from rota.model.fleet import (
 )
 from rota.model.importance import IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
 from rota.model.lanes import Lane as Lane, lane_faults as lane_faults
-from rota.model.limits import COORDINATE, DURATION, LARGEST_M, LENGTH, LONGEST_S, MOMENT
+from rota.model.limits import DURATION, LARGEST_M, LONGEST_S, MOMENT
 from rota.model.motion_limits import MOTION_FIELDS
+from rota.model.moving import MovingObstacle as MovingObstacle
 from rota.model.planner_registry import DEFAULT, door_of
 from rota.model.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
 from rota.model.refusals import (
@@ -148,27 +150,6 @@ class Zone:
         object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
 
 
-@dataclass(frozen=True, kw_only=True)
-class MovingObstacle:
-    """A disc that moves along timed points, straight between them; before the first and after the last it stands."""
-
-    radius_m: float = field_of(above=0, most=LARGEST_M, written=LENGTH)
-    times_s: tuple[float, ...] = field_of(least=-LONGEST_S, most=LONGEST_S, written=MOMENT)
-    positions_m: tuple[Place, ...] = field_of(least=-LARGEST_M, most=LARGEST_M, written=COORDINATE)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "moving obstacle: ")
-        ok = all(a < b for a, b in itertools.pairwise(self.times_s))
-        require(ok, "moving obstacle: times_s", self.times_s, "must rise")
-        ok = len(self.positions_m) == len(self.times_s)
-        require(ok, "moving obstacle: positions_m", self.positions_m, "one for each time")
-
-    def at(self, time_s: float) -> Place:
-        """Where its centre is."""
-        x, y = (float(np.interp(time_s, self.times_s, [at[axis] for at in self.positions_m])) for axis in (0, 1))
-        return x, y
-
-
 def _default_settings() -> PlannerSettings:
     settings: PlannerSettings = door_of(DEFAULT).settings()
     return settings
@@ -184,7 +165,7 @@ class Mission:
     than ``AREA``, by which reports call that ground. ``holds_within_s``: all robots are in their loops, from when on
     periods hold, within so many seconds (None: at any time). ``importance``: what a square metre of ground is worth to
     a swarm outside zones with an importance of their own, a number or a map; None: 1. ``lanes``: where there are some,
-    robots keep to them.
+    robots keep to them. ``chargers``: where robots charge whose batteries run low.
     """
 
     name: str = field_of(count=((1, None),))
@@ -232,6 +213,13 @@ class Mission:
         newer=True,
         spared=True,
     )
+    chargers: tuple[Charger, ...] = field_of(
+        (),
+        "of patrol: where robots with an endurance_s charge",
+        count=((0, None),),
+        newer=True,
+        spared=True,
+    )
     planning: PlannerSettings = field_of(_default_settings)
 
     def __post_init__(self) -> None:
@@ -249,6 +237,7 @@ class Mission:
         blocking = [obstacle.shape for obstacle in self.obstacles if obstacle.blocks_motion]
         faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
         faults += lane_faults(self.area, blocking, self.fleet, self.lanes)
+        faults += charger_faults(self.area, blocking, self.fleet, self.chargers)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         data = _as_file_has_it(self)
@@ -319,6 +308,10 @@ def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) ->
             yield from every_importance(data, f"the {kind.planner} planner has no use for importance: remove it")
         if not kind.heeds_motion:
             yield from every_motion(data, MOTION_FIELDS, f"the {kind.planner} planner does not heed it: remove it")
+        if not kind.heeds_batteries:
+            yield from every_motion(data, BATTERY_FIELDS, f"the {kind.planner} planner plans no charging: remove it")
+            if data.get("chargers"):
+                yield ("chargers",), f"the {kind.planner} planner has no use for chargers: remove them"
         if not kind.robots_come_and_go:
             yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
     if kind is None or inner(data, kind.planner, "altitudes_m") is None:

@@ -14,7 +14,7 @@ from rota.model.fields import field_of
 from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
 from rota.model.seam import Driven as Driven, Seam as Seam
-from rota.model.trajectory import Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
+from rota.model.trajectory import Charge as Charge, Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
 
 if TYPE_CHECKING:
     import pandas
@@ -133,6 +133,14 @@ class Plan:
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, planning.makes_runs)
+        known = [charger.name for charger in self.mission.chargers]
+        for trajectory in self.trajectories:
+            for k, charge in enumerate(trajectory.charges):
+                if charge.charger not in known:
+                    raise PlanError(
+                        f"robot {trajectory.robot}: charges[{k}].charger: {charge.charger!r} is not allowed; the"
+                        f" mission has {', '.join(map(repr, known)) or 'no chargers'}"
+                    )
 
     @property
     def heeds_motion(self) -> bool:

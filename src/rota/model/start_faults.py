@@ -41,7 +41,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
         if wrong is not None:
             faults.append((f"fleet.entrances[{k}]", f"[{entrance[0]:.9g}, {entrance[1]:.9g}] {wrong}"))
     for k, place in enumerate(fleet.rally_points):
-        wrong = _standing_fault(place, widest_m, area, blocking)
+        wrong = standing_fault(place, widest_m, area, blocking)
         if wrong is not None:
             faults.append((f"fleet.rally_points[{k}]", f"[{place[0]:.9g}, {place[1]:.9g}] {wrong}"))
     for k, robot in enumerate(fleet.robots or ()):
@@ -49,7 +49,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
             placed.append((f"fleet.robots[{k}].start", robot.start, robot.body_radius_m))
     for i, others in _doubtful(placed, area, blocking):
         where, point, body_m = placed[i]
-        wrong = _standing_fault(point, body_m, area, blocking)
+        wrong = standing_fault(point, body_m, area, blocking)
         for other, beside, its_body_m in (placed[j] for j in others):
             if wrong is None and math.dist(point, beside) < max(body_m + its_body_m - TOUCH_M, TOUCH_M):
                 need_m = body_m + its_body_m
@@ -66,7 +66,7 @@ def entrance_fault(
     place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]
 ) -> str | None:
     """Why a body cannot come in there: it does not fit, or has no way on; None when it can."""
-    wrong = _standing_fault(place_m, body_radius_m, area, blocking)
+    wrong = standing_fault(place_m, body_radius_m, area, blocking)
     return wrong or _why_stuck(place_m, body_radius_m, area, blocking)
 
 
@@ -102,7 +102,7 @@ def _doubtful(
                 yield int(i), others
 
 
-def _standing_fault(
+def standing_fault(
     place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]
 ) -> str | None:
     """Why a body cannot stand with its centre there; None when it can."""

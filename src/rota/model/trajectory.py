@@ -77,6 +77,21 @@ class Waypoints:
         return same and self.speed_m_s == other.speed_m_s
 
 
+@dataclass(frozen=True, kw_only=True)
+class Charge:
+    """A stay at a charger, between two of a trajectory's times. Raises PlanError for one that does not end later."""
+
+    charger: str = field_of(meaning="its name", count=((1, None),))
+    from_s: float = field_of(**TIMES)
+    until_s: float = field_of(**TIMES)
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.from_s < self.until_s <= LONGEST_S:
+            raise PlanError(
+                f"charge: from_s {self.from_s}, until_s {self.until_s}; must be times, the second one later"
+            )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Trajectory:
     """Timed points of one robot: straight legs, each at a constant acceleration, then the loop for ever.
@@ -85,6 +100,8 @@ class Trajectory:
     or None (the direction of motion). accelerations_m_s2: (n - 1,) along each leg, or None: all legs are driven at
     constant speeds. A leg of length L in the time T with the acceleration a begins at the speed L / T - a T / 2 and
     ends at L / T + a T / 2; neither is below 0. waypoints: what its autopilot is told; None: the legs themselves.
+    charges: its stays at chargers, each from one of the times to another, in their order; one that goes on across the
+    loop's seam is told in two.
     ``loop_start_s`` is one of the times: equal to the last, the robot stays where it is; otherwise the position then
     equals the last position exactly and the robot repeats from there.
 
@@ -105,6 +122,9 @@ class Trajectory:
         spared=True,
     )
     waypoints: Waypoints | None = field_of(None, newer=True, spared=True)
+    charges: tuple[Charge, ...] = field_of(
+        (), "stays at chargers, one after the other", count=((0, None),), newer=True, spared=True
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "times_s", freeze(self.times_s))
@@ -153,6 +173,20 @@ class Trajectory:
                 f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
             )
         self._require_forward()
+        self._require_ordered_charges()
+
+    def _require_ordered_charges(self) -> None:
+        """Raise PlanError for charges that overlap, or begin or end between two of the times."""
+        object.__setattr__(self, "charges", tuple(self.charges))
+        ended_s = 0.0
+        for k, charge in enumerate(self.charges):
+            ends = (charge.from_s, charge.until_s)
+            if charge.from_s < ended_s or not np.isin(ends, self.times_s).all():
+                raise PlanError(
+                    f"robot {self.robot}: charges[{k}] goes from {ends[0]} to {ends[1]}; both must be times of the"
+                    f" trajectory, from {ended_s} on"
+                )
+            ended_s = charge.until_s
 
     def _require_forward(self) -> None:
         """Raise PlanError for accelerations that are no numbers, or with which a leg would begin or end backwards."""
@@ -220,6 +254,7 @@ class Trajectory:
             and same_headings
             and np.array_equal(self.bends, other.bends)
             and self.waypoints == other.waypoints
+            and self.charges == other.charges
         )
 
     @property

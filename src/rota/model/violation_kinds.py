@@ -15,6 +15,8 @@ ViolationKind = Literal[
     "turn radius", "acceleration", "corner acceleration", "jerk",
     # along lanes
     "off the lanes", "against a one-way lane", "faster than its lane", "leaves a lane between its ends",
+    # batteries
+    "battery below its reserve", "takes more than it charges", "charges away from its charger", "charger too full",
     # robots together
     "bodies touch", "clocks may differ",
     # robots that bounce

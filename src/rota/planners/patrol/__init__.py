@@ -34,6 +34,7 @@ class PatrolPlanner(Planner):
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """The table of robots and loops, then robots against the bound, why, the worst gap, the way there, pockets."""
         from rota.planners.patrol.pockets import pockets_sentence
+        from rota.planning.charging_summary import charging_sentence, charging_table
         from rota.planning.plan_summary import (
             approach_sentence,
             bound_sentence,
@@ -44,9 +45,11 @@ class PatrolPlanner(Planner):
 
         plan = answer.plan
         if report.demands:
-            yield robots_table(plan)
+            yield charging_table(plan) if plan.mission.chargers else robots_table(plan)
         yield from answer.facts
         yield from (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+        if plan.mission.chargers:
+            yield charging_sentence(plan)
         yield pockets_sentence(plan)
 
     def proved_bound(self, mission: Mission) -> tuple[int, str]:

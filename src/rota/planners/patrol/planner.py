@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import shapely
 
@@ -29,6 +30,7 @@ from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.relief.plan_with_relief import plan_with_relief
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.route_graph.plan_on_graph import plan_on_lanes
 from rota.planners.patrol.shortening.search import with_better_loops
@@ -59,6 +61,12 @@ def plan_patrol(
     NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
+    if mission.chargers:
+        search = partial(
+            plan_patrol, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+            executor=executor,
+        )  # fmt: skip
+        return plan_with_relief(mission, seed=seed, judge=judge, search=search)
     if mission.lanes:
         return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     tight = with_reserve(mission)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from rota.errors import MissionError
 from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
 from rota.model.refusals import Where, fleet_blocks, inner, robot_count, show_value
+from rota.planners.patrol.charging_refusals import charging_refusals
 from rota.planners.patrol.lane_refusals import lane_refusals
 from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
 from rota.vehicles.presets import VEHICLES
@@ -42,6 +43,7 @@ class PatrolSettings(PlannerSettings):
     planner: ClassVar[str] = "patrol"
     heeds_entrances: ClassVar[bool] = True
     heeds_lanes: ClassVar[bool] = True
+    heeds_batteries: ClassVar[bool] = True
     heeds_motion: ClassVar[bool] = True
     effort: Effort = setting("normal", "how much work planning may be")
     method: Method = setting("tours", "all but tours are to compare with: traditional methods, and Sun 2019's stages")
@@ -107,6 +109,7 @@ class PatrolSettings(PlannerSettings):
             if inner(data, "patrol", "method") == method:
                 yield from block.refusals(data)
         yield from lane_refusals(data)
+        yield from charging_refusals(data)
         yield from _ways_to_turn(data)
         yield from _starts_of_autopilots(data)
         yield from _too_much_reserve(data)

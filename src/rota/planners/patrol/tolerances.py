@@ -10,6 +10,7 @@ SURELY = 1 + ROUNDING  # what a bound must see exceeded is taken as longer by th
 SLOWER = 1 - ROUNDING  # of full speed, so that rounding of times never shows as speeding
 
 TO_SPARE = 1e-3  # share by which limits are kept better than asked, so that nobody who looks closely sees more
+SAME_ROUND = 1e-10  # share by which a round may be shorter than it can be driven, or longer than its period
 TIE = 1e-9  # share by which a few operations on numbers of one size are off: less is no difference
 
 HAIR_M = 1e-6  # shorter legs, which times tell with too few digits, and gaps, slivers and differences are none

@@ -146,7 +146,8 @@ def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
-        return touching(verdict) or excess_of_unseeable(verdict) or "the check finds the routes themselves at fault"
+        told = touching(verdict) or crowding(verdict) or excess_of_unseeable(verdict)
+        return told or "the check finds the routes themselves at fault"
     what, period_s = demand_in_words(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"
@@ -161,6 +162,15 @@ def excess_of_unseeable(verdict: Verdict) -> str | None:
     for fault in verdict.violations:
         if fault.kind == "unseeable":
             return f"nobody can see {fault.value:.6g} m2 of what is asked, and {fault.limit:.6g} m2 may be left out"
+    return None
+
+
+def crowding(verdict: Verdict) -> str | None:
+    """Which charger has more robots at once than places; None when none has."""
+    for fault in verdict.violations:
+        if fault.kind == "charger too full":
+            name, places = fault.who.split(":")[0], f"{fault.limit:.0f} place{'s'[: fault.limit != 1]}"
+            return f"charger {name!r} has {places}, and {fault.value:.0f} robots are there at once: give it more places"
     return None
 
 

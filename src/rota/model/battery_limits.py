@@ -1,0 +1,65 @@
+"""How long a robot's battery lasts and how long it takes to fill. SI units, frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rota.model.field_values import check_fields
+from rota.model.fields import field_of, fields_of
+from rota.model.limits import DURATION, LONGEST_S
+from rota.model.refusals import require
+
+_TIME: dict[str, Any] = {"most": LONGEST_S, "written": DURATION, "newer": True, "spared": True}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatteryLimits:
+    """What a battery holds, told in seconds of driving; None: no limit is known.
+
+    A full battery lasts for ``endurance_s`` of driving, or ``standing_endurance_s`` of standing. Charging from empty to
+    full takes ``recharge_s``, and less in proportion to what was used. ``reserve_s`` of driving are never used.
+    """
+
+    endurance_s: float | None = field_of(
+        None, "of driving with a full battery; null: it never runs low", title="endurance", above=0, **_TIME
+    )
+    standing_endurance_s: float | None = field_of(
+        None, "of standing or hovering with a full battery; null: as of driving", title="endurance standing", above=0,
+        **_TIME,
+    )  # fmt: skip
+    recharge_s: float | None = field_of(
+        None, "to charge it from empty to full; null: where batteries are swapped", title="recharging", above=0, **_TIME
+    )
+    reserve_s: float = field_of(
+        0.0, "of driving that must always be left", title="reserve", least=0, most=LONGEST_S, empty=True, newer=True,
+        spared=True,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for name, allowed in battery_faults(vars(self)):
+            require(False, name, getattr(self, name), allowed)
+
+    @property
+    def usable_s(self) -> float:
+        """Seconds of driving between a full battery and the reserve."""
+        return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s
+
+
+BATTERY_FIELDS = tuple(item.name for item in fields_of(BatteryLimits))
+
+
+def battery_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Values that contradict each other: the field at fault, and what is allowed."""
+    endurance_s = values["endurance_s"]
+    if endurance_s is None:
+        for name in BATTERY_FIELDS[1:]:
+            if values[name]:
+                yield name, "needs endurance_s: without one, batteries never run low"
+    elif (values["reserve_s"] or 0) >= endurance_s:
+        yield "reserve_s", f"must be less than endurance_s, {endurance_s:.6g}"
+
+
+ENDLESS = BatteryLimits()

@@ -1,0 +1,29 @@
+"""What patrol cannot plan for of robots whose batteries run low."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rota.model.battery_limits import BATTERY_FIELDS
+from rota.model.motion_limits import MOTION_FIELDS
+from rota.model.refusals import Where, every_motion, fleet_blocks, inner, listed_robots
+
+AT_ONCE = "robots that charge turn and change their speed at once: remove it, or endurance_s"
+ALIKE = "robots that relieve each other have batteries alike: give it for the fleet"
+
+
+def charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Limits of motion and turning, starts, lanes, other methods and batteries of single robots, with an endurance."""
+    if not any(inner(block, "endurance_s") is not None for _, block in fleet_blocks(data)):
+        return
+    yield from every_motion(data, [*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m"], AT_ONCE)
+    for where, block in fleet_blocks(data):
+        if inner(block, "start") is not None:
+            yield (*where, "start"), "robots that charge begin anywhere on their flights: remove it"
+    for k, robot in enumerate(listed_robots(data)):
+        for name in BATTERY_FIELDS:
+            if inner(robot, name) is not None:
+                yield ("fleet", "robots", k, name), ALIKE
+    if data.get("lanes") or inner(data, "area", "graph") is not None:
+        yield ("fleet", "endurance_s"), "on lanes no charging is planned: remove it"

@@ -1,0 +1,190 @@
+"""Plans of robots that charge: loops as if batteries lasted for ever, then robots that take turns at them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rota.errors import NoPlanFound
+from rota.geometry.shortest_path import ShortestPaths
+from rota.model.battery_limits import ENDLESS
+from rota.model.mission import Charger, Mission
+from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.bounds.charging_bound import charging_bound, charging_of
+from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.relief.flights import trajectories_of
+from rota.planners.patrol.relief.shifts import Cycle, best_cycle
+from rota.planners.patrol.relief.slots import Slot, handovers_of, slots_of, slower_slots
+from rota.planners.patrol.relief.turns import rotations_of
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
+
+BODIES_APART = 3.0  # radii between robots that relieve each other: at right angles their centres keep 2.1 apart
+MOST_TRIES = 12  # of robots with bodies, which may touch on their ways
+MOST_MORE = 3  # robots than a cycle takes at least, that are tried
+
+
+def endless(mission: Mission) -> Mission:
+    """The mission as if batteries lasted for ever, with as few robots as possible.
+
+    Periods are shorter by what it takes to pass on a loop from body to body.
+    """
+    fleet, clearance_s = replace(mission.fleet, robots=None, battery=ENDLESS), clearance_of(mission)
+
+    def shorter_s(period_s: float | None) -> float | None:
+        return None if period_s is None else max(period_s - clearance_s, period_s / 2)
+
+    zones = tuple(replace(zone, period_s=shorter_s(zone.period_s)) for zone in mission.zones)
+    return replace(mission, fleet=fleet, chargers=(), period_s=shorter_s(mission.period_s), zones=zones)
+
+
+def clearance_of(mission: Mission) -> float:
+    """By how many seconds robots pass one place after each other when one relieves the other; 0 without bodies."""
+    robot = mission.fleet.equal_robot("robot-1")
+    return BODIES_APART * robot.body_radius_m / robot.ground_speed_m_s
+
+
+def plan_with_relief(mission: Mission, *, seed: int, judge: Judge, search: Callable[[Mission], Plan]) -> Plan:
+    """A plan whose robots charge: what ``search`` finds for ``endless(mission)``, with robots that take turns at loops.
+
+    Raises NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and as
+    ``relieve`` does.
+    """
+    require_reach(mission)
+    bound = charging_bound(set_up_problem(endless(mission)), mission)
+    loops = search(endless(mission))
+    always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
+    best = max_of([always, bound])
+    proved = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
+    return relieve(proved, mission, seed=seed, judge=judge)
+
+
+def require_reach(mission: Mission) -> None:
+    """NoPlanFound where no flight lasts from a charger to ground that is asked for and back."""
+    if (charging := charging_of(mission)).ways >= 1:
+        battery = mission.fleet.battery
+        raise NoPlanFound(
+            f"fleet.endurance_s: {battery.endurance_s:.6g} less a reserve of {battery.reserve_s:.6g} is too short:"
+            f" from a charger to ground that is asked for and back takes {charging.ways * battery.usable_s:.6g} s at"
+            " least; give more, or a charger nearer by"
+        )
+
+
+def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
+    """A plan for the mission whose robots take turns at the loops of a plan for ``endless(mission)``.
+
+    Raises NoPlanFound where a loop is too far from all chargers for the battery, where chargers have too little room,
+    and where the judge passes no plan.
+    """
+    verdict = judge(loops)
+    ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
+    slots = slots_of(loops, ratio)
+    slower = slower_slots(loops, slots, lambda plan: judge(plan).verdict == "met")
+    tight = [replace(slot, most_s=slot.line.duration_s or slot.most_s) for slot in slots]
+    found: Plan | None = None
+    for tried, number in itertools.product((slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)):
+        team = _Team(mission, tried)
+        robots = team.trajectories(team.cycles(), seed + number, varied=number > 0)
+        found = replace(loops, mission=mission, trajectories=tuple(robots))
+        if judge(found).verdict == "met":
+            return found
+    assert found is not None
+    raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
+
+
+class _Team:
+    """The slots of a mission, and from where chargers are near."""
+
+    def __init__(self, mission: Mission, slots: Sequence[Slot]) -> None:
+        self._mission, self._slots = mission, slots
+        self._robot = mission.fleet.equal_robot("robot-1")
+        body_m, speed_m_s = self._robot.body_radius_m, self._robot.ground_speed_m_s
+        self._paths: ShortestPaths = PathsByBody(mission).paths(body_m)
+        self._handovers = handovers_of(slots, mission.chargers, self._paths, speed_m_s)
+        self._clearance_s = clearance_of(mission)
+
+    def cycles(self) -> list[Cycle]:
+        """The slots in cycles that take the fewest robots, each with the charger that is nearest to its slots."""
+        nearest = [min(range(len(own)), key=lambda k: float(own[k].ways_s.min())) for own in self._handovers]
+        cycles = []
+        for charger in sorted(set(nearest)):
+            members = [k for k, own in enumerate(nearest) if own == charger]
+            cycles += self._cycles_of(members, charger)
+        return cycles
+
+    def _cycles_of(self, members: Sequence[int], charger: int) -> list[Cycle]:
+        """The slots of a charger in cycles: all in one, or two by two as long as that spares a robot."""
+        own = [each[charger] for each in self._handovers]
+        battery = self._robot.battery
+
+        def cycle(slots: Sequence[int]) -> Cycle | None:
+            return best_cycle(self._slots, own, slots, battery, self._clearance_s)
+
+        alone = [cycle([k]) for k in members]
+        for k, each in zip(members, alone, strict=True):
+            if each is None:
+                raise NoPlanFound(self._too_far(k, own[k].charger))
+        cycles = [each for each in alone if each is not None]
+        together = cycle(members)
+        if together is not None and together.robots <= sum(each.robots for each in cycles):
+            return [together]
+        while True:
+            pairs = itertools.combinations(cycles, 2)
+            merged = [(a, b, cycle([s.slot for s in (*a.shifts, *b.shifts)])) for a, b in pairs]
+            better = [(a, b, c) for a, b, c in merged if c is not None and c.robots < a.robots + b.robots]
+            if not better:
+                return cycles
+            a, b, c = min(better, key=lambda each: each[2].robots - each[0].robots - each[1].robots)
+            cycles = [each for each in cycles if each is not a and each is not b] + [c]
+
+    def _too_far(self, slot: int, charger: Charger) -> str:
+        """That no robot can serve a slot within a battery."""
+        own, line = min(self._handovers[slot], key=lambda each: float(each.ways_s.min())), self._slots[slot].line
+        way_s = float(own.ways_s.min())
+        x, y = own.places_m[own.nearest]
+        battery = self._robot.battery
+        if not np.isfinite(way_s):
+            return f"no charger can be reached from ({x:.6g}, {y:.6g}), where a robot is needed: give one there"
+        return (
+            f"fleet.endurance_s: a robot has {battery.usable_s:.6g} s to use; from charger {charger.name!r} to"
+            f" ({x:.6g}, {y:.6g}) and back it takes {2 * way_s:.6g} s, and a round there {line.duration_s:.6g} s:"
+            " give more, or a charger nearer by"
+        )
+
+    def trajectories(self, cycles: Sequence[Cycle], seed: int, *, varied: bool) -> list[Trajectory]:
+        """The trajectories of all robots."""
+        named = self._mission.fleet.robots
+        rotations = []
+        for cycle in cycles:
+            own = [
+                next(each for each in every if each.charger is cycle.charger) for every in self._handovers
+            ]  # by slot
+            tried = (
+                rotations_of(cycle, self._slots, own, cycle.robots + more, seed, varied=varied)
+                for more in range(MOST_MORE + 1)
+            )
+            found = next((each for each in tried if each is not None), None)
+            if found is None:
+                raise NoPlanFound("robots that keep step with each other cannot be relieved in time")
+            rotations += [(rotation, own) for rotation in found]
+        total = sum(rotation.robots for rotation, _ in rotations)
+        if named is not None and len(named) > total:  # the first rotation has the robots that are to spare
+            (rotation, own), total = rotations[0], len(named)
+            to_spare = len(named) - sum(each.robots for each, _ in rotations)
+            rotations[0] = (replace(rotation, robots=rotation.robots + to_spare), own)
+        if named is not None and len(named) < total:
+            raise NoPlanFound(
+                f"{robots_in_words(total)} are needed, those that charge included; the fleet has {len(named)}"
+            )
+        names = iter([robot.name for robot in named] if named else [f"robot-{k + 1}" for k in range(total)])
+        return [
+            trajectory
+            for rotation, own in rotations
+            for trajectory in trajectories_of(
+                rotation, self._slots, own, self._paths, list(itertools.islice(names, rotation.robots))
+            )
+        ]

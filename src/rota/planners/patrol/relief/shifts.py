@@ -1,0 +1,186 @@
+"""How long robots stay at each loop before they are relieved, so that the fewest robots do.
+
+The robots of a cycle take turns at its slots, and each turn of the cycle lasts ``turn_s``. In a turn a slot is handed
+over once or several times. Its robot drives some rounds, or a part of one, goes to the charger, and leaves the slot
+alone for a while where periods allow that. A robot is busy with a job from its take-off until it is charged. M robots
+go through all jobs of a cycle one after the other, turn_s apart, if all jobs together take M times turn_s at most.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger
+from rota.planners.patrol.relief.slots import SPOTS, Handovers, Slot
+from rota.planners.patrol.tolerances import SAME_ROUND
+
+Floats = NDArray[np.float64]
+
+MOST_ROUNDS_MORE = 8  # than a job has at least, that are looked at
+MOST_JOBS = 12  # of a slot in a turn
+MOST_TURNS = 4_000  # lengths of turns that are compared
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shift:
+    """How a slot is served in each turn of its cycle: by ``jobs`` one after the other, of ``rounds`` each.
+
+    rounds: 1 / m for the m-th part of one. round_s: what a round takes without pauses. way_s: to the charger from where
+    robots change. busy_s: a job, from take-off until the robot is charged. most_way_s: as long as its battery allows.
+    """
+
+    slot: int
+    jobs: int
+    rounds: float
+    round_s: float
+    way_s: float
+    busy_s: float
+    most_way_s: float
+
+    @property
+    def serves_s(self) -> float:
+        """Seconds of a job at the slot."""
+        return self.rounds * self.round_s
+
+    @property
+    def flies_s(self) -> float:
+        """Seconds between leaving the charger and coming back."""
+        return self.serves_s + 2 * self.way_s
+
+    @property
+    def parts(self) -> int:
+        """How many jobs make up a round; 1 where each drives whole rounds."""
+        return max(1, round(1 / self.rounds))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cycle:
+    """Slots that the same robots take turns at, again and again after ``turn_s``."""
+
+    charger: Charger
+    turn_s: float
+    shifts: tuple[Shift, ...]
+
+    @property
+    def robots(self) -> int:
+        """How many robots it takes."""
+        busy_s = sum(shift.jobs * shift.busy_s for shift in self.shifts)
+        return max(1, math.ceil(busy_s / self.turn_s * (1 - SAME_ROUND)))
+
+
+class _Options(NamedTuple):
+    """Ways (n,) to serve a slot at turns of n lengths; busy_s counts all jobs of a turn, inf: impossible."""
+
+    jobs: Floats
+    rounds: Floats
+    round_s: Floats
+    way_s: Floats
+    busy_s: Floats
+
+
+def charging_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats:
+    """How long robots charge after flights (n,) of so many seconds."""
+    if charger.swap_s is not None:
+        return np.full(len(flown_s), charger.swap_s)
+    return flown_s * ((battery.recharge_s or 0.0) / (battery.endurance_s or math.inf))
+
+
+def best_cycle(
+    slots: Sequence[Slot], handovers: Sequence[Handovers], members: Sequence[int], battery: BatteryLimits,
+    clearance_s: float,
+) -> Cycle | None:  # fmt: skip
+    """The cycle of some slots, by their numbers, with the fewest robots, or busy for the least time; None: none does.
+
+    handovers: of each slot with the charger that serves them all. clearance_s: by how long robots that change pass
+    one place after each other.
+    """
+    charger = handovers[members[0]].charger
+    turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery.usable_s)
+    tried = [best_shifts(slots[k], handovers[k], turns_s, battery, clearance_s) for k in members]
+    busy = np.array([each.busy_s for each in tried]).sum(axis=0) / turns_s
+    if not np.isfinite(busy).any():
+        return None
+    robots = np.where(np.isfinite(busy), np.ceil(busy * (1 - SAME_ROUND)), np.inf)
+    jobs = np.array([each.jobs for each in tried]).sum(axis=0)
+    k = int(np.lexsort((busy, np.round(jobs / turns_s, 9), robots))[0])
+    shifts = tuple(
+        Shift(
+            slot=number,
+            jobs=int(each.jobs[k]),
+            rounds=float(each.rounds[k]),
+            round_s=float(each.round_s[k]),
+            way_s=float(each.way_s[k]),
+            busy_s=float(each.busy_s[k] / each.jobs[k]),
+            most_way_s=(battery.usable_s - float(each.rounds[k] * each.round_s[k])) / 2,
+        )
+        for number, each in zip(members, tried, strict=True)
+    )
+    return Cycle(charger=charger, turn_s=float(turns_s[k]), shifts=shifts)
+
+
+def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], usable_s: float) -> Floats:
+    """Lengths of turns (n,): whole rounds of some slot that is driven as fast or as slowly as it may be."""
+    most_s = max(usable_s, *(slot.most_s for slot in slots))
+    found = [usable_s - 2 * float(own.ways_s.min()) for own in handovers]
+    for slot in slots:
+        for round_s in {slot.line.duration_s, slot.most_s} - {0.0}:
+            found += (round_s * np.arange(1, min(most_s / round_s, MOST_TURNS) + SAME_ROUND)).tolist()
+    turns_s: Floats = np.unique([turn_s for turn_s in found if 0 < turn_s <= most_s])
+    chosen: Floats = turns_s[np.linspace(0, len(turns_s) - 1, min(len(turns_s), MOST_TURNS)).astype(int)]
+    return chosen
+
+
+def best_shifts(slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float) -> _Options:
+    """The best way to serve a slot at each length of a turn (n,): whole rounds, or parts where these are too long."""
+    zeros = np.zeros(len(turns_s))
+    best = _Options(zeros.copy(), zeros.copy(), zeros.copy(), zeros.copy(), np.full(len(turns_s), np.inf))
+    tried = list(_whole_rounds(slot, own, turns_s, clearance_s))
+    if slot.line.duration_s + 2 * float(own.ways_s.min()) > battery.usable_s:
+        tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
+    for jobs, rounds, round_s, way_s, possible in tried:
+        flown_s = rounds * round_s + 2 * way_s
+        busy_s = jobs * (flown_s + charging_s(battery, own.charger, flown_s))
+        better = possible & (flown_s <= battery.usable_s * (1 + SAME_ROUND)) & (busy_s < best.busy_s * (1 - SAME_ROUND))
+        for kept, new in zip(best, (zeros + jobs, zeros + rounds, round_s, zeros + way_s, busy_s), strict=True):
+            kept[better] = new[better]
+    return best
+
+
+Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, rounds, round_s, way_s, possible
+
+
+def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+    """Jobs of whole rounds, with pauses between robots that are as long as periods allow."""
+    least_s, most_s, way_s = slot.line.duration_s, slot.most_s, float(own.ways_s.min())
+    for jobs in range(1, MOST_JOBS + 1):
+        each_s = turns_s / jobs
+        fewest = np.maximum(1, np.ceil(each_s / most_s * (1 - SAME_ROUND)))
+        for more in range(MOST_ROUNDS_MORE):
+            rounds = fewest + more
+            # rounds are as much shorter as the pause between two robots makes the last one longer
+            longest_s = (most_s - each_s / rounds) / np.maximum(slot.passes - 1 / rounds, SAME_ROUND)
+            pause_s = np.minimum(each_s - rounds * least_s, longest_s)
+            pause_s[np.abs(pause_s) <= SAME_ROUND * each_s] = 0.0
+            possible = (pause_s >= 0) & (each_s / rounds <= most_s * (1 + SAME_ROUND))
+            if clearance_s > 0:
+                pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
+            yield jobs, rounds, (each_s - pause_s) / rounds, way_s, possible
+
+
+def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+    """Jobs of equal parts of one round a turn, driven as fast as can be where no other loop keeps step."""
+    least_s, most_s = slot.line.duration_s, slot.most_s
+    for parts in (each for each in range(2, SPOTS) if SPOTS % each == 0):
+        _, way_s = own.nearest_parts(least_s, parts)
+        pause_s = turns_s / parts - least_s / parts if not slot.keeps_step else np.zeros(len(turns_s))
+        possible = (turns_s >= least_s * (1 - SAME_ROUND)) & (turns_s <= most_s * (1 + SAME_ROUND))
+        if clearance_s > 0:
+            pause_s = np.where(pause_s < 2 * way_s + clearance_s, -clearance_s, pause_s)
+        yield parts, 1 / parts, turns_s - parts * pause_s, way_s, possible

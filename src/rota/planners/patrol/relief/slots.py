@@ -1,0 +1,127 @@
+"""Loops that robots take turns at: how long a round may take, and from where a charger is near."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.geometry.shortest_path import ShortestPaths
+from rota.model.mission import Charger, Mission
+from rota.model.plan import Plan
+from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
+
+Floats = NDArray[np.float64]
+
+SPOTS = 120  # of a loop, beside its corners, at which robots may change; many numbers divide it
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Slot:
+    """A loop that robots take turns at.
+
+    line: its round as fast as it can be driven, from where it is at time 0 of the timetable of all loops. most_s: how
+    long a round may take, from one time to the next. keeps_step: other loops go round as fast. passes: how often in a
+    round a place may be seen that must be: by so much less than the rest of most_s may one robot come after another.
+    """
+
+    line: TimedLine
+    most_s: float
+    keeps_step: bool
+    passes: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Handovers:
+    """Where robots may change at a slot: phases_s (k,) of the round, places_m (k, 2), and ways_s (k,) to a charger."""
+
+    charger: Charger
+    phases_s: Floats
+    places_m: Floats
+    ways_s: Floats
+
+    @property
+    def nearest(self) -> int:
+        """The one from which the charger is nearest."""
+        return int(np.argmin(self.ways_s))
+
+    def nearest_parts(self, lasts_s: float, parts: int) -> tuple[list[int], float]:
+        """Those that cut the round, of so many seconds, in equal parts with the shortest longest way, and that way."""
+        even = np.searchsorted(self.phases_s, np.arange(SPOTS) * (lasts_s / SPOTS) - SAME_TIME_S)
+        cuts = even.reshape(parts, SPOTS // parts).T
+        longest_s = self.ways_s[cuts].max(axis=1)
+        k = int(np.argmin(longest_s))
+        return [int(each) for each in cuts[k]], float(longest_s[k])
+
+
+def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
+    """The loops of a plan whose worst gap is ``worst_ratio`` times its period: rounds may take as much longer."""
+    durations_s = np.array([one.loop_duration_s for one in plan])
+    slots = []
+    for one, lasts_s in zip(plan, durations_s, strict=True):
+        first = one.loop_index
+        line = steady(one.times_s[first:] - one.times_s[first], one.positions_m[first:, :2])
+        if lasts_s == 0:  # a robot that stays sees all that it sees whenever one comes there
+            slots.append(Slot(line=line, most_s=asked_periods_s(plan.mission)[0], keeps_step=False, passes=1.0))
+            continue
+        alike = int((np.abs(durations_s - lasts_s) <= SAME_ROUND * lasts_s).sum())
+        most_s = float(lasts_s / max(worst_ratio, SAME_ROUND))
+        passes = max(1.0, most_s / asked_periods_s(plan.mission)[0])
+        line = start_at(line, -one.loop_start_s)
+        slots.append(Slot(line=line, most_s=most_s, keeps_step=alike > 1, passes=passes))
+    return slots
+
+
+def slower_slots(plan: Plan, slots: Sequence[Slot], passes: Callable[[Plan], bool]) -> list[Slot]:
+    """The slots, with rounds as long as the shortest period that such a loop may serve where the plan passes so.
+
+    Each loop that keeps no step with others is slowed down in turn, all others being as they were.
+    """
+    periods_s = np.array(asked_periods_s(plan.mission))
+    slower = []
+    for k, slot in enumerate(slots):
+        enough_s = periods_s[periods_s > slot.most_s * (1 + SAME_ROUND)]
+        if not slot.keeps_step and not slot.line.stays and len(enough_s) and slot.line.duration_s <= enough_s[0]:
+            one = plan.trajectories[k]
+            times_s = slot.line.times_s * (enough_s[0] / slot.line.duration_s)
+            times_s[-1] = enough_s[0]
+            slow = replace(one, times_s=times_s, positions_m=slot.line.places_m, loop_start_s=0.0, waypoints=None)
+            others = (*plan.trajectories[:k], slow, *plan.trajectories[k + 1 :])
+            if passes(replace(plan, trajectories=others)):
+                slot = replace(slot, most_s=float(enough_s[0]), passes=1.0)
+        slower.append(slot)
+    return slower
+
+
+def asked_periods_s(mission: Mission) -> list[float]:
+    """All periods that a mission asks for, ascending."""
+    return sorted({p for p in (mission.period_s, *(zone.period_s for zone in mission.zones)) if p is not None})
+
+
+def handovers_of(
+    slots: Sequence[Slot], chargers: Sequence[Charger], paths: ShortestPaths, speed_m_s: float
+) -> list[list[Handovers]]:
+    """Of each slot, for each charger, where robots may change; inf where no path leads."""
+    spots = [spots_s(slot.line) for slot in slots]
+    places = [slot.line.at(phases_s) for slot, phases_s in zip(slots, spots, strict=True)]
+    lengths_m = paths.distances(np.array([charger.at for charger in chargers]), np.vstack(places))
+    ends = np.cumsum([len(phases_s) for phases_s in spots])[:-1]
+    of_slots = np.split(lengths_m / speed_m_s, ends, axis=1)
+    return [
+        [
+            Handovers(charger=charger, phases_s=phases_s, places_m=places_m, ways_s=ways_s[k])
+            for k, charger in enumerate(chargers)
+        ]
+        for phases_s, places_m, ways_s in zip(spots, places, of_slots, strict=True)
+    ]
+
+
+def spots_s(line: TimedLine) -> Floats:
+    """The phases (k,) of a round at which robots may change: its corners, and spots evenly between."""
+    if line.stays:
+        return np.zeros(1)
+    even_s = np.arange(SPOTS) * (line.duration_s / SPOTS)
+    return np.unique(np.concatenate([line.times_s[:-1], even_s]))

@@ -1,0 +1,118 @@
+"""Plans of robots that charge: how many robots they take, by closed forms, and that the check passes them."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import pytest
+from shapely import MultiPolygon, box
+from tests.planners.patrol.searching import YARD
+
+from rota import check_plan, make_plan, search_plan
+from rota.errors import NoPlanFound
+from rota.files.plan_file import plan_from_text, plan_text
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
+from rota.planners.patrol import PatrolSettings
+
+# a corridor as wide as the sensor sees: one robot goes to and fro, past the charger in its middle
+CORRIDOR = Mission(
+    name="corridor",
+    area=MultiPolygon([box(0, 0, 200, 10)]),
+    period_s=50,
+    fleet=Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=10), battery=BatteryLimits(endurance_s=500, recharge_s=1000)),
+    chargers=(Charger(name="pad", at=(100, 5), places=9),),
+    planning=PatrolSettings(effort="quick"),
+)
+
+
+def with_battery(mission: Mission, **values: Any) -> Mission:
+    return dataclasses.replace(mission, fleet=dataclasses.replace(mission.fleet, battery=BatteryLimits(**values)))
+
+
+@pytest.mark.parametrize(
+    ("battery", "swap_s", "robots"),
+    [
+        # away for a second and charging for k: 1 + k robots for one loop that goes past the charger
+        ({"endurance_s": 500, "recharge_s": 1000}, None, 3),
+        ({"endurance_s": 500, "recharge_s": 500}, None, 2),
+        # a round takes some 37 s, and 50 s are allowed: it charges 4 s after each
+        ({"endurance_s": 500, "recharge_s": 50}, None, 1),
+        ({"endurance_s": 500, "recharge_s": 2500}, None, 6),
+        ({"endurance_s": 500}, 100.0, 2),
+    ],
+)
+def test_one_loop_past_the_charger_takes_one_robot_and_those_that_charge(
+    battery: dict[str, float], swap_s: float | None, robots: int
+) -> None:
+    chargers = (dataclasses.replace(CORRIDOR.chargers[0], swap_s=swap_s),)
+    fleet = dataclasses.replace(CORRIDOR.fleet, battery=BatteryLimits(**battery))
+    plan = make_plan(dataclasses.replace(CORRIDOR, fleet=fleet, chargers=chargers))
+    assert len(plan) == robots
+    assert (plan.lower_bound_robots or 0) <= robots
+    assert check_plan(plan).verdict == "met"
+
+
+def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:
+    # a round takes some 37 s and charging after it 74 s: with 120 s for both nobody else is needed
+    plan = make_plan(dataclasses.replace(CORRIDOR, period_s=120.0))
+    assert len(plan) == 1
+    assert check_plan(plan).verdict == "met"
+
+
+def test_a_loop_longer_than_a_battery_is_shared_out_in_parts() -> None:
+    far = dataclasses.replace(CORRIDOR, area=MultiPolygon([box(0, 0, 600, 10)]), period_s=120.0)
+    far = dataclasses.replace(far, chargers=(Charger(name="pad", at=(300, 5), places=20),))
+    plan = make_plan(with_battery(far, endurance_s=90, recharge_s=90))
+    assert check_plan(plan).verdict == "met"
+    # a round takes some 117 s; a flight lasts 90 s at most, of which up to 2 x 29 s are ways
+    assert 3 <= len(plan) <= 8
+
+
+def test_robots_with_bodies_relieve_each_other_without_touching() -> None:
+    yard = dataclasses.replace(
+        YARD,
+        fleet=dataclasses.replace(
+            YARD.fleet, body_radius_m=0.1, battery=BatteryLimits(endurance_s=600, recharge_s=600)
+        ),
+        chargers=(Charger(name="pad", at=(1, 1), places=20),),
+    )
+    plan = make_plan(yard)
+    assert check_plan(plan).verdict == "met"
+    assert any(trajectory.charges for trajectory in plan)
+
+
+def test_chargers_with_too_few_places_are_refused_with_the_reason() -> None:
+    wide = dataclasses.replace(CORRIDOR, area=MultiPolygon([box(0, 0, 200, 100)]))
+    few = dataclasses.replace(wide, chargers=(Charger(name="pad", at=(100, 5), places=1),))
+    with pytest.raises(NoPlanFound, match=r"chargers: they have 1 place, but 3\.\d+ robots must be on them on average"):
+        make_plan(few)
+    one = dataclasses.replace(CORRIDOR, chargers=(Charger(name="pad", at=(100, 5), places=1),))
+    with pytest.raises(NoPlanFound, match=r"charger 'pad' has 1 place, and . robots are there at once: give it more"):
+        make_plan(one)
+
+
+def test_batteries_that_reach_nothing_are_refused() -> None:
+    zone = Zone(name="far", shape=MultiPolygon([box(180, 0, 200, 10)]), period_s=60)
+    far = dataclasses.replace(
+        CORRIDOR, period_s=None, zones=(zone,), chargers=(Charger(name="pad", at=(5, 5), places=9),)
+    )
+    with pytest.raises(NoPlanFound, match=r"fleet.endurance_s: 30 less a reserve of 0 is too short: from a charger to"):
+        make_plan(with_battery(far, endurance_s=30, recharge_s=30))
+
+
+def test_a_fleet_that_is_named_charges_all_of_its_robots() -> None:
+    five = dataclasses.replace(CORRIDOR, fleet=dataclasses.replace(CORRIDOR.fleet, robots=5))
+    plan = make_plan(five)
+    assert [trajectory.robot for trajectory in plan] == [f"robot-{k + 1}" for k in range(5)]
+    assert check_plan(plan).verdict == "met"
+    two = dataclasses.replace(CORRIDOR, fleet=dataclasses.replace(CORRIDOR.fleet, robots=2))
+    with pytest.raises(NoPlanFound, match="3 robots are needed, those that charge included; the fleet has 2"):
+        make_plan(two)
+
+
+def test_plans_are_the_same_each_time_and_read_back() -> None:
+    found = search_plan(CORRIDOR).plan
+    assert plan_text(search_plan(CORRIDOR).plan) == plan_text(found)
+    assert plan_from_text(plan_text(found), "it") == found
