@@ -30,6 +30,7 @@ PATROL_STAGES = [
     ["bounds", "context"],
     ["annealing"],
     ["initial", "traffic"],
+    ["handover"],
     ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from rota.planning.make_plan import PlanSearch, make_plan, search_plan
     from rota.planning.planner import prove_bound
     from rota.rehearsal import DemandOutcome, Rehearsal, draw_rehearsal, rehearse
+    from rota.replanning.replan import Replanned, replan
 
 __all__ = [
     "BounceSettings",
@@ -60,6 +61,7 @@ __all__ = [
     "PlanError",
     "PlanSearch",
     "Rehearsal",
+    "Replanned",
     "Report",
     "Robot",
     "RotaError",
@@ -83,6 +85,7 @@ __all__ = [
     "read_mission",
     "read_plan",
     "rehearse",
+    "replan",
     "search_plan",
     "worst_gaps_s",
     "write_checkpoint",
@@ -125,6 +128,7 @@ _MODULES = {
     "rota.planners.patrol.planner_settings": ["PatrolSettings"],
     "rota.planners.swarm.planner_settings": ["SwarmSettings"],
     "rota.rehearsal": ["DemandOutcome", "Rehearsal", "draw_rehearsal", "rehearse"],
+    "rota.replanning.replan": ["replan", "Replanned"],
     "rota.planning.make_plan": ["make_plan", "search_plan", "PlanSearch"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

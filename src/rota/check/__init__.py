@@ -10,6 +10,7 @@ from rota.check.report_schema import report_schema
 from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:
+    from rota.check.late_report import LateSample
     from rota.model.mission import Mission
     from rota.model.plan import Floats, Plan
 
@@ -25,6 +26,7 @@ __all__ = [
     "report_schema",
     "report_table",
     "report_to_json",
+    "sample_lateness",
     "worst_gaps_s",
 ]
 
@@ -41,6 +43,16 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01, on_the_way: Callable[[], N
 
     mention_compiling(*compiled_packages(plan.mission))
     return judge(plan, finest_m=finest_m, on_the_way=on_the_way)
+
+
+def sample_lateness(plan: Plan, most_points: int = 400) -> LateSample:
+    """How late some points of a plan that takes over from another one are, to compare plans with within moments.
+
+    ``check_plan`` judges all ground between them; most_points: of each demand. Only for a plan with a seam.
+    """
+    from rota.check.late_samples import sample_lateness as sample
+
+    return sample(plan, most_points)
 
 
 def compiled_packages(mission: Mission) -> tuple[str, ...]:

@@ -25,6 +25,22 @@ class LateDemand:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LateSample:
+    """What some points say of a plan that takes over from another one; no more than that of the ground between.
+
+    ratio: the longest gap for ever over its period. worst_s: how late some point is after the change. late_m2_s: ground
+    times seconds late, until all has been seen in the loops. last_s: the last moment then at which some point is late.
+    Of points that are never seen any more it says only for how much ground they stand, unseen_m2.
+    """
+
+    unseen_m2: float
+    ratio: float
+    worst_s: float
+    late_m2_s: float
+    last_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Lateness:
     """How late places are from the moment on at which a plan takes over from another one, which is 0 of its clock.
 

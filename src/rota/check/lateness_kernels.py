@@ -22,7 +22,7 @@ def late_between(starts, ends, period_s, moments):
     covered, worst, when, late, last = from_s, 0.0, after_s, 0.0, -np.inf
     order = np.argsort(starts)
     for i in range(len(order) + 1):
-        begin = starts[order[i]] if i < len(order) else to_s
+        begin = min(starts[order[i]], to_s) if i < len(order) else to_s
         if begin > after_s and begin > covered:
             if begin - covered > worst:
                 worst, when = begin - covered, covered
@@ -30,7 +30,7 @@ def late_between(starts, ends, period_s, moments):
             if over > 0:
                 late += over
                 last = begin
-        if i < len(order):
+        if i < len(order) and begin < to_s:
             covered = max(covered, ends[order[i]])
     if covered < loops_s:
         return np.inf, covered, np.inf, np.inf

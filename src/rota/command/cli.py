@@ -32,6 +32,7 @@ from rota.command.page import page
 from rota.command.plan import plan_and_write
 from rota.command.registry import Commands
 from rota.command.rehearse import rehearse
+from rota.command.replan import replan
 from rota.command.ros2 import ros2
 from rota.command.serve import serve
 from rota.command.start import new, schema
@@ -139,6 +140,7 @@ def plan(
 
 
 app.command()(compare)
+app.command()(replan)
 
 
 # ---------------------------------------------------------------- check, draw, animate, export

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rota.check.report import Report as Report
     from rota.compiled.parts import Part
     from rota.model.mission import Mission
-    from rota.model.plan import Plan
+    from rota.model.plan import Plan, Seam, Trajectory
     from rota.model.planner_settings import PlannerSettings
     from rota.planning.checkpoint import Checkpoint
     from rota.planning.progress import Watch
@@ -57,6 +57,26 @@ class Answer:
     checkpoint: Checkpoint | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Handover:
+    """What a planner is asked where a plan takes over from another one.
+
+    mission: of the robots that remain. places: where they are at that moment. seam: as the plan has it.
+    going_on: what robots that remain would drive from then on by the plan before, by their names. loops: whose rounds
+    are to be shared among those that remain; the clock of all is 0 at that moment. lateness: how late a plan is; less
+    is better. most: ways to share them that are worked out.
+    """
+
+    mission: Mission
+    places: dict[str, tuple[float, float]]
+    seam: Seam
+    seed: int
+    going_on: dict[str, Trajectory]
+    loops: tuple[Trajectory, ...]
+    lateness: Callable[[Plan], tuple[float, ...]]
+    most: int
+
+
 class Planner(ABC):
     """A planner as the rest of Rota sees it; each overrides what it has more of.
 
@@ -77,6 +97,15 @@ class Planner(ABC):
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """What is said below a new plan, paragraph by paragraph; None in place of what there is nothing to say of."""
         yield from answer.facts
+
+    def takeovers(self, asked: Handover) -> Iterator[Plan]:
+        """Plans that take over, made of the rounds that are handed over; the one that changes least comes first.
+
+        They may be late, or their bodies may touch: the check tells. MissionError for robots that cannot take over.
+        """
+        raise MissionError(
+            f"planner: {self.settings.planner} is not allowed; only robots that drive rounds of patrol take over"
+        )
 
     def covering_time(self, plan: Plan) -> str | None:
         """How long robots that only react, whatever the plan says, take to cover their ground; None: they do not."""

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planning.planner import Answer, Planner, Request
+from rota.planning.planner import Answer, Handover, Planner, Request
 
 if TYPE_CHECKING:
     from rota.compiled.parts import Part
     from rota.model.mission import Mission
+    from rota.model.plan import Plan
     from rota.planning.planner import Report
 
 
@@ -30,6 +31,12 @@ class PatrolPlanner(Planner):
             should_stop=request.should_stop, watch=request.watch, executor=request.executor,
         )  # fmt: skip
         return Answer(plan=plan)
+
+    def takeovers(self, asked: Handover) -> Iterator[Plan]:
+        """Robots keep their rounds where they can; others come into rounds that nobody drives now, or join some."""
+        from rota.planners.patrol.handover.takeovers import takeovers
+
+        return takeovers(asked)
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """The table of robots and loops, then robots against the bound, why, the worst gap, the way there, pockets."""

@@ -1,0 +1,225 @@
+"""What sample points say of how late places are where a plan takes over from another one, and what all is seen from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check import lateness_kernels
+from rota.check.demands import DemandedGround, demands_of, visits
+from rota.check.late_report import LateSample
+from rota.check.pieces import quarter
+from rota.check.presence import seeing_routes
+from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, point_pieces, sights_along
+from rota.check.routes import HOLD, LOOP, Routes, routes_of, sensors_of
+from rota.check.seeable import seeable_ground
+from rota.check.tiled_ground import tiles_of
+from rota.check.timing_kernels import time_along
+from rota.check.tolerances import NO_LENGTH, PERIOD_TOLERANCE, slack_of
+from rota.model.mission import DiscSensor
+from rota.model.plan import Plan, Seam
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_LEGS = 2_000_000  # of loops driven until all is seen again; of more nothing is told
+ENOUGH, MOST = 1_000, 2_000  # sample points of a demand
+
+
+def sample_lateness(plan: Plan, most_points: int) -> LateSample:
+    """How late some points of each demand are, within moments, to compare plans with."""
+    assert plan.seam is not None
+    mission, bounds_m = plan.mission, plan.mission.area.bounds
+    routes = seeing_routes(routes_of(plan), plan)
+    sights, demands = sights_along(routes, sensors_of(plan), mission, bounds_m), demands_of(mission)
+    points = {k: _some_points(sights, plan, k, most_points) for k, d in enumerate(demands) if d.demand == "every_point"}
+    unseen_m2, ratios = 0.0, [0.0]
+    for k, (own, areas_m2) in points.items():
+        gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demands[k].period_s)).gaps_s
+        seen = np.isfinite(gaps_s)
+        unseen_m2 += float(areas_m2[~seen].sum())
+        points[k] = own[seen], areas_m2[seen]
+        ratios.append(float(gaps_s[seen].max(initial=0.0)) / demands[k].period_s)
+    for demand in demands:
+        if demand.demand == "visit":
+            gap_s = loop_gap(routes, visits(routes.legs_m, demand.region, slack_of(mission)))[0]
+            unseen_m2 += 0.0 if math.isfinite(gap_s) else demand.region.area
+            ratios.append(gap_s / demand.period_s if math.isfinite(gap_s) else 0.0)
+    across = sights_across(plan, plan.seam)
+    if across is None:
+        return LateSample(unseen_m2=unseen_m2, ratio=max(ratios), worst_s=math.inf, late_m2_s=math.inf, last_s=math.inf)
+    sampled = [
+        (_sample_of_visits(across, plan, one) if one.demand == "visit" else _sample_at(across, one, *points[k]), one)
+        for k, one in enumerate(demands)
+    ]
+    told = [(one, demand) for one, demand in sampled if math.isfinite(one.gap_s)]
+    return LateSample(
+        unseen_m2=unseen_m2,
+        ratio=max(ratios),
+        worst_s=max((max(0.0, one.gap_s - demand.period_s) for one, demand in told), default=0.0),
+        late_m2_s=sum(one.late_m2_s for one, _ in told),
+        last_s=max((one.last_s for one, _ in told), default=0.0),
+    )
+
+
+def _some_points(sights: Sights, plan: Plan, k: int, most_points: int) -> tuple[Floats, Floats]:
+    """Middles (n, 2) of tiles of a demand that somebody can see, and the ground (n,) that each stands for."""
+    pieces, owners = tiles_of(plan.mission, sights)
+    own = np.flatnonzero(owners == k)
+    if not len(own):
+        return np.empty((0, 2)), np.empty(0)
+    chosen = own[np.unique(np.linspace(0, len(own) - 1, most_points).astype(np.int64))]
+    points = pieces.choose(chosen).centres_m()
+    seeable = seeable_ground(plan.mission).sees_within(points, np.zeros(len(points)))
+    share_m2 = pieces.choose(own).areas_m2().sum() / max(1, np.count_nonzero(seeable))
+    return points[seeable], np.full(np.count_nonzero(seeable), share_m2)
+
+
+# ---------------------------------------------------------------- what is seen before and after
+
+
+def sights_across(plan: Plan, seam: Seam) -> Sights | None:
+    """What is seen after the change until all is seen again, with what was seen before; None: by too many legs."""
+    routes, bounds_m = seeing_routes(routes_of(plan), plan), plan.mission.area.bounds
+    # whatever a robot sees in its loop it sees again within one
+    to_s = routes.from_s + float(routes.durations_s.max(initial=0.0))
+    turns = _turns(routes, to_s)
+    if turns.sum() > MOST_LEGS:
+        return None
+    old_routes, old_sensors = _routes_before(seam)
+    then = plan.mission if seam.obstacles is None else replace(plan.mission, obstacles=seam.obstacles)
+    before = sights_along(old_routes, old_sensors, then, bounds_m)
+    after = sights_along(_unroll(routes, turns, to_s), sensors_of(plan), plan.mission, bounds_m)
+    return replace(after, seam=SeamSights(before=before, moments_s=(seam.since_s, 0.0, routes.from_s, to_s)))
+
+
+def _turns(routes: Routes, to_s: float) -> Ints:
+    """How often each leg (m,) is driven until then."""
+    durations = routes.durations_s[routes.robots]
+    loops = routes.kinds == LOOP
+    again = np.floor((to_s - routes.times_s[:, 0]) / np.where(loops, durations, 1.0))
+    return np.where(loops, np.maximum(again, 0) + 1, 1).astype(np.int64)
+
+
+def _unroll(routes: Routes, turns: Ints, to_s: float) -> Routes:
+    """The routes as driven until then, each leg once, robot by robot and in the order of time."""
+    leg = np.repeat(np.arange(len(turns)), turns)
+    turn = np.arange(len(leg)) - np.repeat(np.cumsum(turns) - turns, turns)
+    times_s = routes.times_s[leg] + (turn * routes.durations_s[routes.robots[leg]])[:, None]
+    times_s[routes.kinds[leg] == HOLD, 1] = to_s
+    order = np.lexsort((times_s[:, 0], routes.robots[leg]))
+    leg = leg[order]
+    return replace(
+        routes,
+        legs_m=np.ascontiguousarray(routes.legs_m[leg]),
+        heights_m=routes.heights_m[leg],
+        times_s=np.ascontiguousarray(np.maximum(times_s[order], times_s[order][:, :1])),
+        bends=np.ascontiguousarray(routes.bends[leg]),
+        robots=routes.robots[leg],
+        kinds=np.full(len(leg), LOOP, np.int64),
+    )
+
+
+def _routes_before(seam: Seam) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]]:
+    """What was driven before, each leg once, and what robots saw with."""
+    legs, times, bends, robots = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty(0)], [np.empty(0, np.int64)]
+    for k, driven in enumerate(seam.driven):
+        xy, t = driven.positions_m, driven.times_s
+        if len(t) == 1:
+            xy, t = np.vstack([xy, xy]), np.append(t, t)
+        legs.append(np.hstack([xy[:-1], xy[1:]]))
+        times.append(np.stack([t[:-1], t[1:]], axis=1))
+        bends.append(driven.bends if len(driven.times_s) > 1 else np.zeros(1))
+        robots.append(np.full(len(t) - 1, k, np.int64))
+    sensors, count = [driven.sensor for driven in seam.driven], len(seam.driven)
+    reaches = [one.radius_m if isinstance(one, DiscSensor) else one.side_m / 2 for one in sensors]
+    legs_m = np.ascontiguousarray(np.vstack(legs))
+    routes = Routes(
+        legs_m=legs_m,
+        heights_m=np.full((len(legs_m), 2), np.nan),
+        times_s=np.ascontiguousarray(np.vstack(times)),
+        bends=np.concatenate(bends),
+        robots=np.concatenate(robots),
+        kinds=np.full(len(legs_m), LOOP, np.int64),
+        durations_s=np.zeros(count),
+        classes=np.arange(count, dtype=np.int64),
+        parts=np.ones(count, np.int64),
+        units_s=np.ones(count),
+        from_s=0.0,
+    )
+    squares = np.array([not isinstance(one, DiscSensor) for one in sensors], np.bool_)
+    return routes, (np.array(reaches, np.float64), squares)
+
+
+class Sampled:
+    """The longest gap of some point of a demand that ends after the change, and what is late of all of them."""
+
+    def __init__(
+        self, gap_s: float, begin_s: float, place_m: tuple[float, float], late_m2_s: float, last_s: float
+    ) -> None:
+        self.gap_s, self.begin_s, self.place_m = gap_s, begin_s, place_m
+        self.late_m2_s, self.last_s = late_m2_s, last_s
+
+
+def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) -> Sampled:
+    """What the middles of all tiles say of a demand, or the visits to it."""
+    if demand.demand == "visit":
+        return _sample_of_visits(sights, plan, demand)
+    pieces, owners = tiles_of(plan.mission, sights)
+    own = pieces.choose(owners == k)
+    while len(own) < ENOUGH:
+        finer, _ = quarter(own, np.full((len(own), 3), np.nan), 2 * sights.slack_m)
+        if len(finer) <= len(own):
+            break
+        own = finer
+    chosen = np.unique(np.linspace(0, len(own) - 1, MOST).astype(np.int64)) if len(own) else np.zeros(0, np.int64)
+    points, areas_m2 = own.centres_m()[chosen], own.areas_m2()[chosen]
+    areas_m2 *= own.areas_m2().sum() / max(areas_m2.sum(), NO_LENGTH)
+    gaps_s, begins_s, late_s, last_s = late_points(sights, points, demand.period_s * (1 + PERIOD_TOLERANCE))
+    unseen = np.flatnonzero(np.isinf(gaps_s))
+    hidden = ~seeable_ground(plan.mission).sees_within(points[unseen], np.zeros(len(unseen)))
+    kept = np.setdiff1d(np.arange(len(points)), unseen[hidden])
+    return _sum_up(gaps_s[kept], begins_s[kept], points[kept], (late_s * areas_m2)[kept], last_s[kept])
+
+
+def _sample_at(sights: Sights, demand: DemandedGround, points_m: Floats, areas_m2: Floats) -> Sampled:
+    """The same of points (n, 2) that stand for so much ground (n,)."""
+    gaps_s, begins_s, late_s, last_s = late_points(sights, points_m, demand.period_s * (1 + PERIOD_TOLERANCE))
+    return _sum_up(gaps_s, begins_s, points_m, late_s * areas_m2, last_s)
+
+
+def _sum_up(gaps_s: Floats, begins_s: Floats, points: Floats, late_m2_s: Floats, last_s: Floats) -> Sampled:
+    """What points (n, 2) say together."""
+    if not len(points):
+        return Sampled(0.0, 0.0, (0.0, 0.0), 0.0, 0.0)
+    worst = int(np.argmax(gaps_s))
+    return Sampled(
+        float(gaps_s[worst]),
+        float(begins_s[worst]),
+        (float(points[worst, 0]), float(points[worst, 1])),
+        float(late_m2_s.sum()),
+        float(np.maximum(last_s, 0.0).max()),
+    )
+
+
+def _sample_of_visits(sights: Sights, plan: Plan, demand: DemandedGround) -> Sampled:
+    """The same of visits to a zone, exactly."""
+    assert sights.seam is not None
+    spans = [
+        (
+            time_along(*routes.times_s[leg], routes.bends[leg], lo),
+            time_along(*routes.times_s[leg], routes.bends[leg], hi),
+        )
+        for routes in (sights.routes, sights.seam.before.routes)
+        for leg, lo, hi in visits(routes.legs_m, demand.region, slack_of(plan.mission))
+    ]
+    starts, ends = np.array(spans, np.float64).reshape(-1, 2).T
+    gap_s, begin_s, late_s, last_s = lateness_kernels.late_between(
+        np.ascontiguousarray(starts), np.ascontiguousarray(ends), demand.period_s * (1 + PERIOD_TOLERANCE),
+        sights.seam.moments_s,
+    )  # fmt: skip
+    place = demand.region.representative_point()
+    return Sampled(gap_s, begin_s, (place.x, place.y), late_s * demand.region.area, max(last_s, 0.0))

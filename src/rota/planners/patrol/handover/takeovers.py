@@ -1,0 +1,215 @@
+"""Plans in which the robots that remain share rounds: who keeps its own, who comes into which, and at which phase."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from shapely import MultiPolygon
+
+from rota.errors import NoPlanFound
+from rota.geometry.free_space import free_ground
+from rota.model.mission import Robot
+from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.handover.joining import Entries, Standing, join_at, join_evenly
+from rota.planners.patrol.handover.rounds import (
+    Round,
+    begin_at,
+    distances_between,
+    is_clear,
+    join_rounds,
+    lead_round,
+    rounds_of,
+)
+from rota.planners.patrol.handover.shares import Share, Sharing, sharings
+from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+from rota.planning.planner import Handover
+
+Floats = NDArray[np.float64]
+
+PHASES = 6  # of a round that are tried, beside those at which one of its robots need not wait
+
+
+def takeovers(asked: Handover) -> Iterator[Plan]:
+    """Plans for the mission with a seam, the one that changes least first; see ``Planner.takeovers``."""
+    takeover = _Takeover(asked)
+    if takeover.going_on.keys() == takeover.standing.keys():
+        yield takeover.plan(takeover.going_on)
+    if not takeover.rounds:
+        return
+    for sharing in takeover.sharings():
+        yield from takeover.plans_of(sharing)
+
+
+class _Takeover:
+    """The rounds that are to be shared, and the robots that remain."""
+
+    def __init__(self, asked: Handover) -> None:
+        self.asked, self.mission = asked, asked.mission
+        fleet = asked.mission.fleet
+        self.standing = {
+            robot.name: Standing(robot=robot, place_m=np.array(asked.places[robot.name]))
+            for robot in fleet.robots or ()
+        }
+        self.paths_by_body = PathsByBody(asked.mission)
+        self.robot = max((one.robot for one in self.standing.values()), key=lambda robot: robot.body_radius_m)
+        ground = free_ground(asked.mission)
+        self.going_on = {
+            name: line
+            for name, line in asked.going_on.items()
+            if is_clear(line.positions_m[:, :2], ground, self.standing[name].robot.body_radius_m)
+        }
+        self.rounds = self._rounds_in_reach(ground)
+        self._joined: dict[tuple[int, ...], Round] = {}
+
+    def plan(self, trajectories: dict[str, Trajectory]) -> Plan:
+        """The plan in which robots drive these, in the order of the fleet."""
+        return Plan(
+            mission=self.mission,
+            seed=self.asked.seed,
+            seam=self.asked.seam,
+            trajectories=tuple(trajectories[name] for name in self.standing),
+        )
+
+    def _rounds_in_reach(self, ground: MultiPolygon) -> list[Round]:
+        """The rounds, led past what is in their way now; those of which nothing can be driven are left out."""
+        rounds, paths = [], self.paths_by_body.paths(self.robot.body_radius_m)
+        for round_ in rounds_of(self.asked.loops):
+            if is_clear(round_.line.places_m, ground, self.robot.body_radius_m):
+                rounds.append(round_)
+            elif (line := lead_round(round_.line, self._slowest, paths)) is not None:
+                rounds.append(Round(line=line, ahead_s=round_.ahead_s))
+        return rounds
+
+    @property
+    def _slowest(self) -> Robot:
+        """The robot that is slowest, at whose speed rounds are driven that anybody may come into."""
+        return min((one.robot for one in self.standing.values()), key=lambda robot: robot.ground_speed_m_s)
+
+    def sharings(self) -> list[Sharing]:
+        """Ways to share the rounds that are worth a look."""
+        paths = self.paths_by_body.paths(self.robot.body_radius_m)
+        between_m = distances_between(self.rounds, paths)
+        return sharings(self.rounds, list(self.standing), between_m, self._slowest.ground_speed_m_s, self.asked.most)
+
+    def plans_of(self, sharing: Sharing) -> Iterator[Plan]:
+        """Plans with rounds shared so: robots keep theirs and others fill in for lost ones, or are spaced evenly."""
+        own = list(zip(sharing, self._who(sharing), strict=True))
+        fills = [self._can_fill(share, names) for share, names in own]
+        if any(fills):
+            yield from self._least_late(
+                [self._options(*each, fill=fill) for each, fill in zip(own, fills, strict=True)]
+            )
+        if not all(fill and not self._has_holes(*each) for each, fill in zip(own, fills, strict=True)):
+            evenly = [fill and not self._has_holes(*each) for each, fill in zip(own, fills, strict=True)]
+            if evenly != fills or not any(fills):
+                options = [self._options(*each, fill=fill) for each, fill in zip(own, evenly, strict=True)]
+                yield from self._least_late(options)
+        if self.robot.body_radius_m > 0:
+            yield from self._lead_all(sharing, [names for _, names in own])
+
+    def _who(self, sharing: Sharing) -> list[list[str]]:
+        """The names of the robots of each share: those that drove its rounds before, and others that are near."""
+        names, slots = list(self.standing), [k for k, share in enumerate(sharing) for _ in range(share.robots)]
+        costs_s = np.zeros((len(names), len(sharing)))
+        for k, share in enumerate(sharing):
+            for i, name in enumerate(names):
+                if not any(name in self.rounds[number].ahead_s for number in share.rounds):
+                    one = self.standing[name]
+                    places = np.vstack([self.rounds[number].line.places_m[::4] for number in share.rounds])
+                    paths = self.paths_by_body.paths(one.robot.body_radius_m)
+                    here_m = self.paths_by_body.standing(one.robot, one.place_m)[None]
+                    costs_s[i, k] = 1.0 + paths.distances(here_m, places).min() / one.robot.ground_speed_m_s
+        costs_s = np.where(np.isfinite(costs_s), costs_s, 1e9)
+        who, where = linear_sum_assignment(costs_s[:, slots])
+        own: list[list[str]] = [[] for _ in sharing]
+        for i, slot in zip(who, where, strict=True):
+            own[slots[slot]].append(names[i])
+        return own
+
+    def _can_fill(self, share: Share, names: Sequence[str]) -> bool:
+        """Whether these robots can go on in the one round of a share as before, and others fill in for lost ones."""
+        before = self.rounds[share.rounds[0]].ahead_s
+        here = [name for name in names if name in before and name in self.going_on]
+        return len(share.rounds) == 1 and len(names) <= len(before) and bool(here)
+
+    def _has_holes(self, share: Share, names: Sequence[str]) -> bool:
+        """Whether robots of a round are fewer than before, so that they are not evenly spaced."""
+        return len(names) < len(self.rounds[share.rounds[0]].ahead_s) and not self.rounds[share.rounds[0]].line.stays
+
+    def _round_of(self, share: Share) -> Round:
+        """The round of a share."""
+        if len(share.rounds) == 1:
+            return self.rounds[share.rounds[0]]
+        if share.rounds not in self._joined:
+            paths = self.paths_by_body.paths(self.robot.body_radius_m)
+            lines = [self.rounds[number].line for number in share.rounds]
+            self._joined[share.rounds] = Round(line=join_rounds(lines, self._slowest, paths), ahead_s={})
+        return self._joined[share.rounds]
+
+    def _options(self, share: Share, names: Sequence[str], *, fill: bool) -> list[dict[str, Trajectory]]:
+        """What robots of a share may drive, each at another phase; those that go on as before have no other."""
+        round_ = self._round_of(share)
+        here = [name for name in names if fill and name in round_.ahead_s and name in self.going_on]
+        kept = {name: self.going_on[name] for name in here}
+        others = [name for name in names if name not in kept]
+        if not others:
+            return [kept]
+        entries = Entries(round_.line, [self.standing[name] for name in others], self.paths_by_body)
+        if fill:
+            vacant_s = [ahead_s for name, ahead_s in round_.ahead_s.items() if name not in kept]
+            joined = join_at(entries, vacant_s)
+            return [] if joined is None else [kept | {one.robot: one for one in joined}]
+        each = (join_evenly(entries, phase_s) for phase_s in self._phases_s(round_, names))
+        return [{one.robot: one for one in joined} for joined in each if joined is not None]
+
+    def _least_late(self, choices: list[list[dict[str, Trajectory]]]) -> Iterator[Plan]:
+        """The plan with the least late option of each share, chosen one after the other; none where one has none."""
+        if not all(choices):
+            return
+        found: dict[str, Trajectory] = {}
+        for options in choices:
+            found |= options[min((_last_s(option), k) for k, option in enumerate(options))[1]]
+        for options in choices:
+            if len(options) > 1:
+                ranked = [(self.asked.lateness(self.plan({**found, **option})), k) for k, option in enumerate(options)]
+                found |= options[min(ranked)[1]]
+        yield self.plan(found)
+
+    def _phases_s(self, round_: Round, names: Sequence[str]) -> list[float]:
+        """Phases of the first robot that are tried: at each of them robots are as far round as they are, or evenly."""
+        if round_.line.stays:
+            return [0.0]
+        apart_s = round_.duration_s / len(names)
+        own = [round_.ahead_s[name] % apart_s for name in names if name in round_.ahead_s]
+        evenly = np.linspace(0, apart_s, PHASES, endpoint=False) + (own[0] if own else 0.0)
+        return list(dict.fromkeys([*own, *(float(phase) % apart_s for phase in evenly)]))
+
+    def _lead_all(self, sharing: Sharing, own: Sequence[Sequence[str]]) -> Iterator[Plan]:
+        """The plan in which all wait for the last, so that bodies stay apart on their ways, if there is one."""
+        loops = []
+        for share, names in zip(sharing, own, strict=True):
+            round_ = self._round_of(share)
+            before = [round_.ahead_s[name] for name in names if name in round_.ahead_s]
+            for k, name in enumerate(names):
+                ahead_s = (before[0] if before else 0.0) + k * round_.duration_s / len(names)
+                line = begin_at(round_.line, ahead_s)
+                loops.append(
+                    Trajectory(
+                        robot=name, times_s=line.times_s, positions_m=line.places_m,
+                        accelerations_m_s2=line.accelerations_m_s2 if line.accelerations_m_s2.any() else None,
+                    )
+                )  # fmt: skip
+        with suppress(NoPlanFound):
+            led = lead_from_starts(Plan(mission=self.mission, trajectories=tuple(loops)), self.mission, None)
+            yield replace(led, seed=self.asked.seed, seam=self.asked.seam)
+
+
+def _last_s(joined: dict[str, Trajectory]) -> float:
+    """When the last of these robots is in its loop."""
+    return max(one.loop_start_s for one in joined.values())

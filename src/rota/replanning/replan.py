@@ -1,0 +1,191 @@
+"""A plan that takes over: a first one of the rounds that there are, then better ones while time lasts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain, islice
+from typing import TYPE_CHECKING
+
+from rota.errors import MissionError, NoPlanFound
+from rota.planning.planner import Handover, planner_of
+from rota.planning.stopping import StopRule
+from rota.replanning.situation import Change, Place, Situation, situation_after
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+    from rota.model.mission import Mission
+    from rota.model.plan import Plan, Trajectory
+
+FIRST = 3  # plans of which the first answer is the least late
+SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
+POINTS = 150  # of each demand that plans are compared at
+RATIO_DIGITS, LATE_DIGITS = 2, 1  # to which plans are compared: sample points are no nearer to the worst ones
+NEARLY = 1 + 1e-6  # so many times its period a gap is met for ever, as far as sample points go
+
+Rank = tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replanned:
+    """A plan that takes over, and the check's report on it, which tells how late places are since.
+
+    kept: robots that go on as before. stopped_early: the search was stopped before its end.
+    """
+
+    plan: Plan
+    report: Report
+    kept: tuple[str, ...]
+    stopped_early: bool
+
+    @property
+    def meets_demand(self) -> bool:
+        """Whether every period holds again at last."""
+        return self.report.verdict == "met"
+
+
+def replan(
+    plan: Plan,
+    *,
+    at_s: float,
+    lost: Iterable[str] = (),
+    joined: Mapping[str, Place] | None = None,
+    late: Mapping[str, float] | None = None,
+    mission: Mission | None = None,
+    seed: int = 0,
+    time_limit_s: float | None = None,
+    should_stop: Callable[[], bool] | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    on_better: Callable[[Replanned], None] | None = None,
+) -> Replanned:
+    """From where robots are at a moment of a plan to one for those that remain, and for the mission as it is now.
+
+    at_s: the moment in the plan's clock; it is 0 of the new plan's. lost: robots that are there no more, with their
+    bodies. joined: new robots, and where they are, (x, y) in metres. late: robots that have driven all so many seconds
+    later than planned. mission: as it is from then on; its fleet says what robots are like, and it is planned for those
+    that remain. None: as in the plan. The new plan holds what was driven before (``Plan.seam``), so that the check
+    judges every window across the change. Among plans whose loops meet every demand that is best whose latest place is
+    late least, then the one after which all periods hold soonest, then the one that keeps most robots on their ways.
+    Where none does, that is best which leaves least ground unseen, and then has the least worst ratio; the outcome's
+    report then says "violated".
+
+    time_limit_s, should_stop: the search for better plans ends then, and so it does where nothing is late. on_better:
+    called with each plan that is better than all before it, the first one within moments.
+
+    Raises MissionError for a change that cannot be, NoPlanFound where robots that remain have no way to go on.
+    """
+    change = Change(
+        at_s=float(at_s), lost=tuple(lost), joined=dict(joined or {}), late=dict(late or {}), mission=mission
+    )
+    if time_limit_s is not None and not time_limit_s > 0:
+        raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
+    situation = situation_after(plan, change)
+    stop = StopRule(time_limit_s, should_stop)
+    search = _Search(situation, seed, stop, on_better)
+    search.try_rounds(situation.loops, SHARINGS)
+    if not search.is_done and not stop():
+        search.look_for_better(progress)
+    return search.outcome(stop.stopped)
+
+
+class _Search:
+    """The best plan so far, and what may be better."""
+
+    def __init__(
+        self, situation: Situation, seed: int, stop: StopRule, on_better: Callable[[Replanned], None] | None
+    ) -> None:
+        self._situation, self._seed, self._stop, self._tell = situation, seed, stop, on_better
+        self._planner = planner_of(situation.mission)
+        self._best: Replanned | None = None
+        self._rank: Rank = (math.inf,)
+        self._best_sampled: Rank = (math.inf,)
+        self._why = "no robot has a way to go on"
+
+    @property
+    def is_done(self) -> bool:
+        """Whether no plan can be better: all is met, and nothing is late."""
+        return self._best is not None and self._rank[:3] == (0.0, 0.0, 0.0)
+
+    def outcome(self, stopped: bool) -> Replanned:
+        """The best plan; NoPlanFound where there is none."""
+        if self._best is None:
+            raise NoPlanFound(f"no plan takes over at t = {self._situation.seam.at_s:g} s: {self._why}")
+        return replace(self._best, stopped_early=stopped)
+
+    def try_rounds(self, loops: tuple[Trajectory, ...], most: int) -> None:
+        """Try plans in which the robots that remain share these rounds; the least late of some comes first."""
+        situation = self._situation
+        asked = Handover(
+            mission=situation.mission, places=situation.places, seam=situation.seam, seed=self._seed,
+            going_on=situation.going_on if loops is situation.loops else {}, loops=loops,
+            lateness=self._sample, most=most,
+        )  # fmt: skip
+        plans = iter(self._planner.takeovers(asked))
+        ranked = sorted(((self._sample(plan), k, plan) for k, plan in enumerate(islice(plans, FIRST))))
+        for sampled, _, plan in chain(ranked, ((self._sample(plan), 0, plan) for plan in plans)):
+            if self.is_done or (self._stop() and self._best is not None):
+                return
+            if self._best is None or sampled < self._best_sampled:
+                self._try(plan)
+
+    def look_for_better(self, progress: Callable[[float, str], None] | None) -> None:
+        """Search for other rounds; each that is found is shared by the robots that remain."""
+        from rota.planning.make_plan import search_plan
+
+        def note(plan: Plan, report: Report) -> None:
+            loops = tuple(replace(one, robot=f"loop {k + 1}") for k, one in enumerate(plan))
+            self.try_rounds(loops, OTHERS)
+            if not any(one.kind in ("start", "no trajectory") for one in report.violations):
+                self._try(replace(plan, seam=self._situation.seam))
+
+        with suppress(NoPlanFound, MissionError):
+            search_plan(
+                self._situation.mission,
+                seed=self._seed,
+                progress=progress,
+                on_better=note,
+                should_stop=lambda: self._stop() or self.is_done,
+            )
+
+    def _try(self, plan: Plan) -> bool:
+        """Have a plan checked; True where it can be driven and is better than all before it."""
+        from rota.check import check_plan
+
+        report = check_plan(plan)
+        wrong = [one for one in report.violations if one.kind not in ("gap", "unseeable")]
+        if wrong:
+            self._why = wrong[0].text()
+            return False
+        kept = tuple(one.robot for one in plan if one == self._situation.going_on.get(one.robot))
+        rank = _rank_of(report, len(plan) - len(kept))
+        if rank >= self._rank:
+            return False
+        self._best, self._rank = Replanned(plan=plan, report=report, kept=kept, stopped_early=False), rank
+        self._best_sampled = self._sample(plan)
+        if self._tell is not None:
+            self._tell(self._best)
+        return True
+
+    def _sample(self, plan: Plan) -> Rank:
+        """How late sample points are; less is better."""
+        from rota.check import sample_lateness
+
+        one = sample_lateness(plan, POINTS)
+        changed = sum(line != self._situation.going_on.get(line.robot) for line in plan)
+        ever = (one.unseen_m2, round(one.ratio, RATIO_DIGITS) if one.ratio > NEARLY else 0.0)
+        return *ever, round(one.worst_s, LATE_DIGITS), round(one.last_s, LATE_DIGITS), changed, one.late_m2_s
+
+
+def _rank_of(report: Report, changed: int) -> Rank:
+    """The order of plans that can be driven; the best has the least."""
+    late = report.lateness
+    assert late is not None
+    worst_s = round(max((one.worst_at_least_s for one in late.demands), default=0.0), LATE_DIGITS)
+    if report.verdict == "met":
+        again_s = math.inf if late.holds_again_s is None else late.holds_again_s
+        return 0.0, worst_s, round(again_s, LATE_DIGITS) if math.isfinite(again_s) else again_s, changed, late.late_m2_s
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
+    ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
+    return 1.0, unseen_m2, round(max(ratios, default=0.0), RATIO_DIGITS), worst_s, changed

@@ -1,0 +1,167 @@
+"""How things are when a plan is changed: which robots remain and where, the mission as it is now, what was driven."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import shapely
+
+from rota.errors import MissionError
+from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
+from rota.model.limits import LONGEST_S
+from rota.model.mission import TOUCH_M, Mission, Obstacle, Robot
+from rota.model.plan import Plan, Seam, Trajectory
+from rota.replanning.moments import delay, go_on, way_before
+
+Place = tuple[float, float]
+
+TOLD = 2.0  # times the longest period and round: so much of what was driven is told
+BEFORE = " (before)"  # added to the name of a robot that goes on from another place than where it came to
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """What changes at ``at_s`` of a plan's clock, seconds.
+
+    lost: robots that are there no more. joined: robots that are there from then on, and where, metres. late: robots
+    that have driven all so many seconds later than planned. mission: as it is from then on; None: as before.
+    """
+
+    at_s: float
+    lost: tuple[str, ...] = ()
+    joined: Mapping[str, Place]
+    late: Mapping[str, float]
+    mission: Mission | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Situation:
+    """mission: of the robots that remain, each with its start, but on lanes. seam: what a plan takes over from.
+
+    places: where robots are that remain. going_on: what they would drive from now on by the plan before, by name;
+    loops: what all would, lost ones too. The clock is 0 now.
+    """
+
+    mission: Mission
+    seam: Seam
+    places: dict[str, Place]
+    going_on: dict[str, Trajectory]
+    loops: tuple[Trajectory, ...]
+
+
+def situation_after(plan: Plan, change: Change) -> Situation:
+    """The situation once the change has happened. Raises MissionError for a change that the plan or mission rules out.
+
+    It names the robot or the option, the value, and what is allowed.
+    """
+    _require_right(plan, change)
+    delayed = [delay(trajectory, change.late.get(trajectory.robot, 0.0)) for trajectory in plan]
+    now = {trajectory.robot: go_on(trajectory, change.at_s) for trajectory in delayed}
+    remain = {name: line for name, line in now.items() if name not in change.lost}
+    places = {name: (float(line.positions_m[0, 0]), float(line.positions_m[0, 1])) for name, line in remain.items()}
+    places |= change.joined
+    mission = _mission_of(plan, change, places)
+    return Situation(
+        mission=mission,
+        seam=_seam_of(plan, change, mission, delayed),
+        going_on=remain,
+        places=places,
+        loops=tuple(now.values()),
+    )
+
+
+def _require_right(plan: Plan, change: Change) -> None:
+    """MissionError for times, names and places that cannot be."""
+    names = [trajectory.robot for trajectory in plan]
+    has = f"the plan has {', '.join(names) or 'no robots'}"
+    if not 0 <= change.at_s <= LONGEST_S:
+        raise MissionError(
+            f"at_s: {change.at_s!r} is not allowed; seconds from 0, where the plan begins, to {LONGEST_S:g} are needed"
+        )
+    for name in change.lost:
+        if name not in names:
+            raise MissionError(f"lost: robot {name!r} is not in the plan; {has}")
+    for name, late_s in change.late.items():
+        if name not in names or name in change.lost:
+            raise MissionError(f"late: robot {name!r} is {'lost' if name in names else 'not in the plan'}; {has}")
+        if not 0 <= late_s <= LONGEST_S:
+            raise MissionError(f"late: {name}={late_s!r} is not allowed; seconds from 0 on are needed")
+    for name, place in change.joined.items():
+        if name in names and name not in change.lost:
+            raise MissionError(f"joined: robot {name!r} is in the plan already; give it another name, or as lost, too")
+        if not all(map(math.isfinite, place)):
+            raise MissionError(
+                f"joined: {name}={place[0]},{place[1]} is not allowed; two numbers, x,y in metres, are needed"
+            )
+    if not set(names) - set(change.lost) and not change.joined:
+        raise MissionError(f"lost: all of {', '.join(names)}: no robot remains; give some that join")
+
+
+def _mission_of(plan: Plan, change: Change, places: Mapping[str, Place]) -> Mission:
+    """The mission as it is now, of these robots, each with its start; on lanes they have none."""
+    asked = change.mission or plan.mission
+    fleet = asked.fleet
+    listed = {robot.name: robot for robot in fleet.robots or ()}
+    for name in places:
+        if change.mission is not None and listed and name not in listed:
+            told = "add it there" if name in change.joined else "add it there, or say that it is lost"
+            raise MissionError(f"fleet.robots: robot {name!r} is not among those of the changed mission; {told}")
+    for name in listed:
+        if change.mission is not None and name not in places and name not in change.lost:
+            raise MissionError(
+                f"fleet.robots: robot {name!r} of the changed mission is not in the plan; say where it joins, or take"
+                " it out"
+            )
+    robots = [
+        replace(listed.get(name) or fleet.equal_robot(name), start=None if asked.lanes else place)
+        for name, place in places.items()
+    ]
+    holds_s = None if change.mission is None else asked.holds_within_s
+    for robot in robots:
+        _require_room(asked, robot, places[robot.name], change.at_s)
+    return replace(asked, fleet=replace(fleet, robots=tuple(robots), start=None), holds_within_s=holds_s)
+
+
+def _require_room(mission: Mission, robot: Robot, place: Place, at_s: float) -> None:
+    """MissionError, with the nearest place where it can be, for a robot whose body is where none can be now."""
+    free, point = free_ground(mission), shapely.Point(place)
+    if free.covers(point) and free.boundary.distance(point) >= robot.body_radius_m - TOUCH_M:
+        return
+    space = standing_space(mission, robot.body_radius_m)
+    told = (
+        f"robot {robot.name}: at t = {at_s:g} s it is at ({place[0]:.2f}, {place[1]:.2f}), where the mission as it is"
+    )
+    told += " now has an obstacle, or no area"
+    if space.is_empty:
+        raise MissionError(f"{told}; no robot of its size can be anywhere")
+    x, y = nearest_free_point(space, place)
+    away_m = math.dist(place, (x, y))
+    raise MissionError(
+        f"{told}; it can go to ({x:.2f}, {y:.2f}), {away_m:.2f} m away: from there, give it as lost, and as joined at"
+        f" {x:.2f},{y:.2f}"
+    )
+
+
+def _seam_of(plan: Plan, change: Change, mission: Mission, delayed: Sequence[Trajectory]) -> Seam:
+    """What was driven before, as far back as any period may ask for it."""
+    periods_s = [
+        period_s or 0.0
+        for asked in (plan.mission, mission)
+        for period_s in (asked.period_s, *(zone.period_s for zone in asked.zones))
+    ]
+    told_s = TOLD * max([*periods_s, *(trajectory.loop_duration_s for trajectory in delayed)], default=0.0)
+    driven = []
+    for trajectory in delayed:
+        one = way_before(trajectory, plan.mission.fleet.robot(trajectory.robot).sensor, change.at_s, told_s)
+        moved = trajectory.robot in change.lost and trajectory.robot in change.joined
+        driven.append(replace(one, robot=trajectory.robot + BEFORE) if moved else one)
+    lost = tuple(name + BEFORE if name in change.joined else name for name in dict.fromkeys(change.lost))
+    return Seam(at_s=change.at_s, lost=lost, driven=tuple(driven), obstacles=_walls_before(plan.mission, mission))
+
+
+def _walls_before(before: Mission, now: Mission) -> tuple[Obstacle, ...] | None:
+    """What blocked sight before, where that is not what does now; None: it is."""
+    walls = [tuple(one for one in mission.obstacles if one.blocks_sight) for mission in (before, now)]
+    return None if walls[0] == walls[1] else walls[0]

@@ -1,0 +1,48 @@
+"""What was driven until a moment and what is driven from then on are the trajectory itself, also with accelerations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rota import DiscSensor, Trajectory
+from rota.model.plan import Driven
+from rota.replanning.moments import delay, go_on, way_before
+
+LOOPS = Trajectory(
+    robot="a",
+    times_s=np.array([0.0, 4, 6, 9, 11]),
+    positions_m=np.array([[0.0, 0], [4, 0], [4, 3], [8, 3], [4, 0]]),
+    accelerations_m_s2=np.array([0.5, 0.0, -0.3, 0.0]),
+    loop_start_s=4.0,
+)
+STAYS = Trajectory(robot="b", times_s=np.array([0.0, 3]), positions_m=np.array([[0.0, 0], [3, 1]]), loop_start_s=3.0)
+
+
+def place(driven: Driven, now_s: float) -> np.ndarray:
+    """Where a robot was, by the bend of the leg that it was on."""
+    leg = int(np.clip(np.searchsorted(driven.times_s, now_s, side="right") - 1, 0, len(driven.times_s) - 2))
+    share = (now_s - driven.times_s[leg]) / (driven.times_s[leg + 1] - driven.times_s[leg])
+    along = share + driven.bends[leg] * share * (share - 1)
+    return np.asarray(driven.positions_m[leg] + along * (driven.positions_m[leg + 1] - driven.positions_m[leg]))
+
+
+@pytest.mark.parametrize("trajectory", [LOOPS, STAYS])
+@pytest.mark.parametrize("at_s", [0.0, 1.7, 3.0, 4.0, 9.0, 10.99, 11.0, 25.3, 1000.2])
+def test_nothing_is_lost_at_the_seam(trajectory: Trajectory, at_s: float) -> None:
+    after = go_on(trajectory, at_s)
+    moments = np.linspace(0, 40, 501)
+    assert np.abs(after.at(moments) - trajectory.at(at_s + moments)).max() < 1e-9 * max(1, at_s)
+    assert after.loop_duration_s == pytest.approx(trajectory.loop_duration_s)
+    before = way_before(trajectory, DiscSensor(radius_m=1), at_s, 20)
+    assert before.times_s[0] == pytest.approx(-min(20, at_s))
+    if at_s > 0:
+        for now in np.linspace(before.times_s[0], 0, 101)[:-1]:
+            assert np.abs(place(before, float(now)) - trajectory.at(at_s + now)).max() < 1e-9 * max(1, at_s)
+
+
+def test_a_late_robot_is_where_it_was_so_much_sooner() -> None:
+    late = delay(LOOPS, 2.5)
+    moments = np.linspace(0, 40, 301)
+    assert np.abs(late.at(moments) - LOOPS.at(np.maximum(moments - 2.5, 0))).max() < 1e-9
+    assert delay(LOOPS, 0) is LOOPS
