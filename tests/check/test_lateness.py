@@ -12,7 +12,19 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from rota import DiscSensor, Fleet, Mission, Obstacle, Plan, PlanError, Robot, Trajectory, Zone, check_plan
+from rota import (
+    DiscSensor,
+    Fleet,
+    Mission,
+    MotionLimits,
+    Obstacle,
+    Plan,
+    PlanError,
+    Robot,
+    Trajectory,
+    Zone,
+    check_plan,
+)
 from rota.check import report_schema, report_table, report_to_json
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.plan import Driven, Seam
@@ -268,3 +280,30 @@ def test_nobody_drives_twice_or_comes_back() -> None:
         Seam(at_s=0, driven=(driven("a"), driven("a")))
     with pytest.raises(PlanError, match="robot a is lost"):
         Plan(mission=mission(45), trajectories=(trajectory("a"),), seam=replace(SEAM, lost=("a",)))
+
+
+def across(headings: tuple[float, float], pause_s: float, **of_fleet: object) -> list[str]:
+    """What is wrong where a robot drove one way until the change, and another from then on after a pause."""
+    before, after = (np.array([math.cos(a), math.sin(a)]) for a in headings)
+    fleet = Fleet(robots=[Robot(name="a")], speed_m_s=1, sensor=DiscSensor(radius_m=9), **of_fleet)  # type: ignore[arg-type]
+    asked = Mission(name="open", area=shapely.MultiPolygon([shapely.box(-9, -9, 9, 9)]), period_s=99, fleet=fleet)
+    was = Driven(
+        robot="a", sensor=DiscSensor(radius_m=9), times_s=np.array([-4.0, 0]), positions_m=[-4 * before, 0 * before]
+    )
+    times = [0.0, pause_s, pause_s + 4, pause_s + 8] if pause_s else [0.0, 4, 8]
+    places = [0 * after, 0 * after, 4 * after, 8 * after][0 if pause_s else 1 :]
+    goes = Trajectory(robot="a", times_s=np.array(times), positions_m=np.array(places), loop_start_s=times[-1])
+    plan = Plan(mission=asked, trajectories=(goes,), seam=Seam(at_s=50, driven=(was,)))
+    return [found.kind for found in check_plan(plan).violations if found.time_s == 0]
+
+
+def test_robots_turn_and_brake_at_the_change_as_they_can() -> None:
+    # a quarter turn at 0.5 rad/s takes 3.14 s
+    assert across((0, math.pi / 2), 3.0, turn_rate_rad_s=0.5) == ["turn"]
+    assert across((0, math.pi / 2), 3.2, turn_rate_rad_s=0.5) == []
+    assert across((0, math.pi / 2), 0, turn_radius_m=1.0) == ["turn radius"]
+    assert across((0, 0), 0, turn_radius_m=1.0) == []
+    # who stands for 3 s was under way at 1 m/s just before
+    assert "acceleration" in across((0, 0), 3.0, motion=MotionLimits(acceleration_m_s2=0.5))
+    assert across((0, 0), 0, motion=MotionLimits(acceleration_m_s2=0.5)) == []
+    assert across((0, 2), 0) == []

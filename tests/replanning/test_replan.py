@@ -202,3 +202,23 @@ def test_a_robot_that_stays_goes_on_staying() -> None:
     stays = Trajectory(robot="robot-1", times_s=np.zeros(1), positions_m=np.ones((1, 2)))
     found = replan(Plan(mission=mission, trajectories=(stays,)), at_s=7.5)
     assert (found.report.verdict, found.kept) == ("met", ("robot-1",))
+
+
+def test_robots_that_turn_slowly_take_over() -> None:
+    plan = ring_plan(70, {"a": 0.0, "b": 20.0}, sensor=DiscSensor(radius_m=1.6), turn_rate_rad_s=1.0)
+    turning = np.array([0.0, 10, 11.6, 21.6, 23.2, 33.2, 34.8, 44.8, 46.4])
+    corners = np.array([[0, 0], [10, 0], [10, 0], [10, 10], [10, 10], [0, 10], [0, 10], [0, 0], [0, 0]], float)
+    loops = tuple(
+        Trajectory(robot=name, times_s=turning, positions_m=corners if name == "a" else 10 - corners)
+        for name in ("a", "b")
+    )
+    plan = replace(plan, trajectories=loops)
+    found = replan(plan, at_s=14, lost=["b"], joined={"c": (5.0, 10.0)}, time_limit_s=5)
+    assert found.report.verdict == "met"
+
+
+def test_robots_with_mass_go_on() -> None:
+    corner = {"acceleration_m_s2": 1000.0, "corner_acceleration_m_s2": 1000.0}
+    plan = ring_plan(45, {"a": 0.0, "b": 20.0}, motion=rota.MotionLimits(**corner))
+    found = replan(plan, at_s=33.3, lost=["b"], time_limit_s=2)
+    assert (found.kept, found.report.verdict) == (("a",), "met")

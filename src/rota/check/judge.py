@@ -20,12 +20,13 @@ from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
 from rota.check.holding import holding_of
 from rota.check.lane_keeping import lane_violations
-from rota.check.lateness import lateness_of, seam_violations
+from rota.check.lateness import lateness_of
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.presence import presence_violations
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
+from rota.check.seams import seam_violations
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
 from rota.check.tiled_ground import FINEST_M, tile_and_refine

@@ -15,33 +15,15 @@ from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
 from rota.check.late_report import LateDemand, Lateness
 from rota.check.late_samples import Sampled, sample_demand, sights_across
-from rota.check.report import Report, Violation, violation
+from rota.check.report import Report
 from rota.check.revisits import Sights
 from rota.check.tiled_ground import tile_and_refine
-from rota.check.tolerances import PERIOD_TOLERANCE, TOUCH_M
+from rota.check.tolerances import PERIOD_TOLERANCE
 from rota.model.plan import Plan
 
 ROUNDS = 8  # in which limits are raised
 FIRST_S, FIRST = 0.02, 0.004  # above what samples say, and a share of it: doubled in each round
 MOST_OPEN = 2  # rounds in which no place shows more and yet some piece is in doubt
-
-
-def seam_violations(plan: Plan) -> list[Violation]:
-    """Robots that drove before the plan took over and are neither lost nor in it, or begin elsewhere than they were."""
-    if plan.seam is None:
-        return []
-    violations, here = [], {trajectory.robot: trajectory for trajectory in plan}
-    for driven in plan.seam.driven:
-        if driven.robot in plan.seam.lost:
-            continue
-        was = driven.positions_m[-1]
-        if driven.robot not in here:
-            violations.append(violation("no trajectory", driven.robot, was, 0.0, 0.0, 1.0, "trajectories"))
-            continue
-        away_m = math.dist(was, here[driven.robot].positions_m[0, :2])
-        if away_m > TOUCH_M:
-            violations.append(violation("start", driven.robot, was, 0.0, away_m, TOUCH_M, "m"))
-    return violations
 
 
 def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Callable[[], None] | None) -> Lateness:

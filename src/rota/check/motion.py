@@ -34,13 +34,16 @@ def motion_violations(plan: Plan) -> list[Violation]:
     mission = plan.mission
     area, blocked = _border_of(mission.area), _border_of(blocks_motion(mission.obstacles))
     violations: list[Violation] = []
+    under_way = () if plan.seam is None else {driven.robot for driven in plan.seam.driven}
     out_of_area, into_obstacles = _deepest_of_all(plan, area, False), _deepest_of_all(plan, blocked, True)
     for k, trajectory in enumerate(plan):
         robot = mission.fleet.robot(trajectory.robot)
         violations += _place_violations(trajectory, robot, out_of_area[k], "outside area")
         violations += _place_violations(trajectory, robot, into_obstacles[k], "obstacle")
         violations += speed_violations(trajectory, robot)
-        violations += acceleration_violations(trajectory, robot)
+        # how it begins that was under way before, seam_violations tells
+        begun = acceleration_violations(trajectory, robot)
+        violations += [one for one in begun if one.time_s != 0.0 or trajectory.robot not in under_way]
         violations += turn_violations(trajectory, robot)
         violations += turn_radius_violations(trajectory, robot)
         violations += altitude_violations(trajectory, robot, mission)

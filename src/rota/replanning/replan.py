@@ -85,7 +85,7 @@ def replan(
     stop = StopRule(time_limit_s, should_stop)
     search = _Search(situation, seed, stop, on_better)
     search.try_rounds(situation.loops, SHARINGS)
-    if not search.is_done and not stop():
+    if situation.mission.has_starts and not search.is_done and not stop():
         search.look_for_better(progress)
     return search.outcome(stop.stopped)
 

@@ -80,6 +80,8 @@ def _require_right(plan: Plan, change: Change) -> None:
         raise MissionError(
             f"at_s: {change.at_s!r} is not allowed; seconds from 0, where the plan begins, to {LONGEST_S:g} are needed"
         )
+    if any(asked is not None and asked.chargers for asked in (plan.mission, change.mission)):
+        raise MissionError("chargers: replanning does not heed batteries yet; robots that charge cannot take over")
     for name in change.lost:
         if name not in names:
             raise MissionError(f"lost: robot {name!r} is not in the plan; {has}")
@@ -114,14 +116,20 @@ def _mission_of(plan: Plan, change: Change, places: Mapping[str, Place]) -> Miss
                 f"fleet.robots: robot {name!r} of the changed mission is not in the plan; say where it joins, or take"
                 " it out"
             )
-    robots = [
-        replace(listed.get(name) or fleet.equal_robot(name), start=None if asked.lanes else place)
-        for name, place in places.items()
-    ]
     holds_s = None if change.mission is None else asked.holds_within_s
+    robots = [listed.get(name) or fleet.equal_robot(name) for name in places]
     for robot in robots:
         _require_room(asked, robot, places[robot.name], change.at_s)
-    return replace(asked, fleet=replace(fleet, robots=tuple(robots), start=None), holds_within_s=holds_s)
+
+    def mission_with(starts: Mapping[str, Place]) -> Mission:
+        """The mission of these robots with starts."""
+        own = tuple(replace(robot, start=starts.get(robot.name)) for robot in robots)
+        return replace(asked, fleet=replace(fleet, robots=own, start=None), holds_within_s=holds_s)
+
+    try:
+        return mission_with(places)
+    except MissionError:  # on lanes, and where autopilots begin their rounds by themselves, robots have none
+        return mission_with({})
 
 
 def _require_room(mission: Mission, robot: Robot, place: Place, at_s: float) -> None:

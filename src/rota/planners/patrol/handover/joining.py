@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.mission import Robot
-from rota.model.plan import Trajectory
+from rota.model.plan import Driven, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
@@ -25,10 +26,20 @@ MOST_TRIED = 6  # places at which a robot that turns slowly may still come too l
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Standing:
-    """A robot and where it is when the plan takes over, (2,) metres."""
+    """A robot and where it is when the plan takes over, (2,) metres, and in which direction it drove last, if any."""
 
     robot: Robot
     place_m: Floats
+    heading_rad: float | None = None
+
+    def turning_s(self, onward_m: Floats | None) -> float:
+        """How long it takes to turn on the spot towards a place (2,)."""
+        rate = self.robot.turn_rate_rad_s
+        if rate is None or self.heading_rad is None or onward_m is None:
+            return 0.0
+        ahead = onward_m - self.place_m
+        turn = abs((math.atan2(ahead[1], ahead[0]) - self.heading_rad + math.pi) % (2 * math.pi) - math.pi)
+        return turn / (rate * SLOWER)
 
 
 class Entries:
@@ -63,27 +74,38 @@ class Entries:
     def join(self, k: int, phase_s: float) -> Trajectory | None:
         """The trajectory of the k-th robot into the round, as far round as one who is that far at the time 0."""
         moments_s, one = self.moments_s(k, phase_s), self.standing[k]
+        best, best_s = None, math.inf
         for entry in np.argsort(moments_s, kind="stable")[:MOST_TRIED]:
             joins_s = float(moments_s[entry])
             if not math.isfinite(joins_s):
-                return None
+                break
             round_ = self.line if self.line.stays else start_at(self.line, float(self.phases_s[entry]))
             approach = self._approach(one, round_)
-            if approach.duration_s > joins_s + 1e-9 and not self.line.stays:
-                joins_s += math.ceil((approach.duration_s - joins_s) / self.line.duration_s) * self.line.duration_s
-                if len(moments_s) > 1 and joins_s > np.sort(moments_s)[1]:
-                    continue
-            joins_s = max(joins_s, approach.duration_s)
-            leaves_s = 0.0 if one.robot.body_radius_m == 0 else joins_s - approach.duration_s
-            return joined_trajectory(one.robot.name, approach, leaves_s, joins_s, round_)
-        return None
+            turning_s = one.turning_s(
+                first_step_m(approach.places_m if len(approach.places_m) > 1 else round_.places_m)
+            )
+            least_s = turning_s + approach.duration_s
+            if least_s > joins_s + SHORTEST_S and not self.line.stays:
+                joins_s += math.ceil((least_s - joins_s) / self.line.duration_s) * self.line.duration_s
+                if joins_s < best_s:
+                    best_s, best = joins_s, (approach, turning_s, round_)
+                continue
+            joins_s = max(joins_s, least_s)
+            if joins_s < best_s:
+                best_s, best = joins_s, (approach, turning_s, round_)
+            break
+        if best is None:
+            return None
+        approach, turning_s, round_ = best
+        leaves_s = turning_s if one.robot.body_radius_m == 0 else best_s - approach.duration_s
+        return joined_trajectory(one.robot.name, approach, leaves_s, best_s, round_)
 
     def _approach(self, one: Standing, round_: TimedLine) -> Approach:
         """The way from where a robot is to where a round begins."""
         onward_m = first_step_m(round_.places_m)
         if (one.place_m == round_.places_m[0]).all():
             return Approach(line=steady(np.zeros(1), round_.places_m[:1]))
-        line_m = self._paths_by_body.line(one.robot, one.place_m, round_.places_m[0], onward_m)
+        line_m = self._paths_by_body.line(one.robot, one.place_m, round_.places_m[0], onward_m, one.heading_rad)
         return timed_approach(line_m, one.robot, onward_m)
 
 
@@ -103,3 +125,15 @@ def join_at(entries: Entries, phases_s: Sequence[float]) -> tuple[Trajectory, ..
         return None
     joined = [entries.join(k, phases_s[int(which)]) for k, which in enumerate(who)]
     return None if any(one is None for one in joined) else tuple(one for one in joined if one is not None)
+
+
+def heading_of(driven: Driven) -> float | None:
+    """The direction of what was driven last, in rad; None where nothing was."""
+    steps = np.diff(driven.positions_m, axis=0)
+    moved = np.flatnonzero((steps != 0).any(axis=1))
+    return float(np.arctan2(steps[moved[-1], 1], steps[moved[-1], 0])) if len(moved) else None
+
+
+def stand_by(one: Standing) -> Trajectory:
+    """A robot that stays where it is."""
+    return Trajectory(robot=one.robot.name, times_s=np.zeros(1), positions_m=one.place_m[None])

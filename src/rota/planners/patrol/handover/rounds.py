@@ -14,6 +14,7 @@ from rota.model.mission import TOUCH_M, Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.polylines import without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at
+from rota.planners.patrol.tours.curves import closed_curve
 from rota.planners.patrol.tours.timetable import line_of, loop_timetable
 
 Floats = NDArray[np.float64]
@@ -21,6 +22,7 @@ Floats = NDArray[np.float64]
 SAME_M, SAME = 1e-4, 1e-7  # rounds are one that miss each other by no more, and whose times do by no greater share
 COMPARED = 16  # moments of two rounds
 JOINED_AT = 96  # places of a round at which another one may be joined to it
+WING_SPACING = 1.5  # turn radii between the places that a round of joined ones passes in curves
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,6 +108,9 @@ def join_rounds(lines: Sequence[TimedLine], robot: Robot, paths: ShortestPaths) 
         joined_m = np.vstack([_from_place(joined_m, here_m), way_m[:-1], side_m, way_m[::-1][:-1]])
         joined_m = without_straight_vertices(_without_repeats(joined_m))
         left.pop(k)
+    if robot.turn_radius_m > 0:
+        spaced_m = _places_along(joined_m, WING_SPACING * robot.turn_radius_m)
+        joined_m = closed_curve(spaced_m, robot.turn_radius_m, paths.grid)
     return loop_timetable(joined_m, robot)
 
 
@@ -114,11 +119,12 @@ def _places(line: TimedLine) -> Floats:
     return line.places_m[:1] if line.stays else line.at(np.linspace(0, line.duration_s, JOINED_AT, endpoint=False))
 
 
-def _places_along(corners_m: Floats) -> Floats:
-    """Places (n, 2) of a closed polyline, evenly spaced along it."""
+def _places_along(corners_m: Floats, apart_m: float | None = None) -> Floats:
+    """Places (n, 2) of a closed polyline, evenly spaced along it, so far apart at least; None: a number of them."""
     closed_m = np.vstack([corners_m, corners_m[:1]])
     along_m = np.append(0.0, np.cumsum(np.hypot(*np.diff(closed_m, axis=0).T)))
-    wanted_m = np.linspace(0, along_m[-1], JOINED_AT, endpoint=False)
+    number = JOINED_AT if apart_m is None else max(3, int(along_m[-1] / apart_m))
+    wanted_m = np.linspace(0, along_m[-1], number, endpoint=False)
     return np.column_stack([np.interp(wanted_m, along_m, closed_m[:, axis]) for axis in (0, 1)])
 
 

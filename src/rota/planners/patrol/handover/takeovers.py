@@ -15,7 +15,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.handover.joining import Entries, Standing, join_at, join_evenly
+from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
 from rota.planners.patrol.handover.rounds import (
     Round,
     begin_at,
@@ -38,9 +38,12 @@ PHASES = 6  # of a round that are tried, beside those at which one of its robots
 def takeovers(asked: Handover) -> Iterator[Plan]:
     """Plans for the mission with a seam, the one that changes least first; see ``Planner.takeovers``."""
     takeover = _Takeover(asked)
-    if takeover.going_on.keys() == takeover.standing.keys():
-        yield takeover.plan(takeover.going_on)
-    if not takeover.rounds:
+    if takeover.going_on.keys() == asked.going_on.keys() and asked.going_on:
+        waiting = {name: stand_by(one) for name, one in takeover.standing.items() if name not in asked.going_on}
+        yield takeover.plan({**waiting, **takeover.going_on})
+    # who is under way with mass would have to brake first, and on lanes ways lead along these
+    moves_freely = not any(one.robot.motion.has_mass for one in takeover.standing.values()) and not asked.mission.lanes
+    if not takeover.rounds or not moves_freely:
         return
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
@@ -52,8 +55,11 @@ class _Takeover:
     def __init__(self, asked: Handover) -> None:
         self.asked, self.mission = asked, asked.mission
         fleet = asked.mission.fleet
+        headings = {driven.robot: heading_of(driven) for driven in asked.seam.driven}
         self.standing = {
-            robot.name: Standing(robot=robot, place_m=np.array(asked.places[robot.name]))
+            robot.name: Standing(
+                robot=robot, place_m=np.array(asked.places[robot.name]), heading_rad=headings.get(robot.name)
+            )
             for robot in fleet.robots or ()
         }
         self.paths_by_body = PathsByBody(asked.mission)

@@ -70,10 +70,13 @@ def closed_curve(
     return curve.corners_m()[1:-1]
 
 
-def approach_curve(line_m: Floats, radius_m: float, grid: EdgeGrid, onward_m: Floats | None) -> Floats:
+def approach_curve(
+    line_m: Floats, radius_m: float, grid: EdgeGrid, onward_m: Floats | None, heading_rad: float | None = None
+) -> Floats:
     """A curve (m, 2) past the points (n, 2) of an open line, which begins in any heading, with no tighter arc.
 
-    onward_m: (2,), to where it goes on from the last point; it ends in that direction. None: in any.
+    onward_m: (2,), to where it goes on from the last point; it ends in that direction. None: in any. heading_rad: it
+    begins in.
     """
     line_m = line_m[np.r_[True, (np.diff(line_m, axis=0) != 0).any(axis=1)]]
     if len(line_m) == 1:
@@ -81,6 +84,9 @@ def approach_curve(line_m: Floats, radius_m: float, grid: EdgeGrid, onward_m: Fl
     curve = _Curve(line_m, radius_m * (1 + TO_SPARE), grid, closed=False)
     if onward_m is not None:
         curve.end_towards(onward_m)
+    if heading_rad is not None:
+        curve.begin_towards(heading_rad)
+        return curve.corners_m()
     for _ in range(STRAIGHTENINGS):
         curve.begin_straight()
     return curve.corners_m()
@@ -106,6 +112,11 @@ class _Curve:
         ahead = onward_m - self.points_m[-1]
         self._headings[-1] = np.arctan2(ahead[1], ahead[0])
         self._measure(len(self._lengths) - 1)
+
+    def begin_towards(self, heading_rad: float) -> None:
+        """Let an open curve begin in a heading."""
+        self._headings[0] = heading_rad
+        self._measure(0)
 
     def begin_straight(self) -> None:
         """Turn the chosen heading at the first point to where the first arc ends, unless that makes the way longer.

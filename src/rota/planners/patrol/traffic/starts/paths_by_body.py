@@ -34,13 +34,16 @@ class PathsByBody:
         nearest = nearest_free_point(standing_space(self._mission, robot.body_radius_m), (place_m[0], place_m[1]))
         return np.array(nearest)
 
-    def line(self, robot: Robot, start_m: Floats, end_m: Floats, onward_m: Floats | None) -> Floats:
+    def line(
+        self, robot: Robot, start_m: Floats, end_m: Floats, onward_m: Floats | None, heading_rad: float | None = None
+    ) -> Floats:
         """The shortest path (n, 2) from a start to a place of a loop; a curve for a robot with a turn radius.
 
-        onward_m: (2,), where the loop goes on to; a curve ends in its direction. None: the robot stays.
+        onward_m: (2,), where the loop goes on to; a curve ends in its direction. None: the robot stays. heading_rad: in
+        which a curve begins; None: in any.
         """
         paths = self.paths(robot.body_radius_m)
         line_m = np.vstack([start_m, paths.path(self.standing(robot, start_m), end_m)])
         if robot.turn_radius_m == 0:
             return line_m
-        return approach_curve(line_m, robot.turn_radius_m, paths.grid, onward_m)
+        return approach_curve(line_m, robot.turn_radius_m, paths.grid, onward_m, heading_rad)

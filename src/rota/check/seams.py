@@ -1,0 +1,75 @@
+"""Whether robots go on from where, and as, they were driving when a plan took over from another one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from rota.check.accelerations import acceleration_violations
+from rota.check.report import Violation, violation
+from rota.check.tolerances import SAME_TIME, TOUCH_M
+from rota.check.turning import turn_radius_violations, turn_violations
+from rota.model.mission import Robot
+from rota.model.plan import Driven, Plan, Trajectory
+
+ROWS = 12  # of what was driven last: enough for what a corner or a jump of speed takes of the legs beside it
+
+
+def seam_violations(plan: Plan) -> list[Violation]:
+    """What is wrong where the plan takes over.
+
+    Robots that drove before are lost, or in the plan, and begin where they were. What they do then they can do from how
+    they were driving: they turn, and change speed, as anywhere else.
+    """
+    if plan.seam is None:
+        return []
+    violations, here = [], {trajectory.robot: trajectory for trajectory in plan}
+    for driven in plan.seam.driven:
+        if driven.robot in plan.seam.lost:
+            continue
+        was = driven.positions_m[-1]
+        if driven.robot not in here:
+            violations.append(violation("no trajectory", driven.robot, was, 0.0, 0.0, 1.0, "trajectories"))
+            continue
+        trajectory, robot = here[driven.robot], plan.mission.fleet.robot(driven.robot)
+        away_m = math.dist(was, trajectory.positions_m[0, :2])
+        if away_m > TOUCH_M:
+            violations.append(violation("start", driven.robot, was, 0.0, away_m, TOUCH_M, "m"))
+        elif not robot.turns_at_once:
+            violations += _violations_across(driven, trajectory, robot)
+    return violations
+
+
+def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> list[Violation]:
+    """Turns and changes of speed at the moment of the change that the robot cannot drive."""
+    before_s = driven.times_s[-ROWS:]
+    if len(before_s) == 1:
+        return []
+    lasts_s = -float(before_s[0])
+    given = [driven.accelerations_m_s2, trajectory.accelerations_m_s2]
+    legs = [len(before_s) - 1, len(trajectory.times_s) - 1]
+    changes = [
+        np.zeros(count) if own is None else own[len(own) - count :] for own, count in zip(given, legs, strict=True)
+    ]
+    joined = replace(
+        trajectory,
+        times_s=np.concatenate([before_s[:-1] + lasts_s, trajectory.times_s + lasts_s]),
+        positions_m=np.vstack([driven.positions_m[-ROWS:-1], trajectory.positions_m[:, :2]]),
+        accelerations_m_s2=None if all(own is None for own in given) else np.concatenate(changes),
+        headings_rad=None,
+        waypoints=None,
+        loop_start_s=trajectory.loop_start_s + lasts_s,
+    )
+    found = turn_violations(joined, robot) + turn_radius_violations(joined, robot)
+    found += acceleration_violations(joined, robot)
+    # a turn that was under way is told of where it began
+    moved = np.flatnonzero((np.diff(joined.positions_m[: len(before_s)], axis=0) != 0).any(axis=1))
+    since_s = float(joined.times_s[moved[-1] + 1]) if len(moved) else lasts_s
+    slack_s = SAME_TIME * max(1.0, lasts_s)
+    return [
+        replace(one, time_s=0.0)
+        for one in found
+        if one.time_s is not None and since_s - slack_s <= one.time_s <= lasts_s + slack_s
+    ]
