@@ -10,8 +10,8 @@ import shapely
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan, revisits
-from rota.check.pieces import Pieces
-from rota.check.revisits import passing_gaps, piece_gaps, point_pieces, sights_of
+from rota.check.pieces import Pieces, point_pieces
+from rota.check.revisits import passing_gaps, piece_gaps, sights_of
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.model.plan import Plan, Trajectory
 

@@ -9,8 +9,8 @@ import pytest
 from shapely import MultiPolygon, Polygon, box
 
 from rota.check.demands import visits
-from rota.check.pieces import Pieces, convex_pieces, join, quarter
-from rota.check.revisits import loop_gap, piece_gaps, point_pieces, sights_of, worst_gaps_s
+from rota.check.pieces import Pieces, convex_pieces, join, point_pieces, quarter
+from rota.check.revisits import loop_gap, piece_gaps, sights_of, worst_gaps_s
 from rota.check.routes import classes_in_step, commensurable_classes, routes_of
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
 from rota.model.plan import Plan, Trajectory

@@ -13,8 +13,8 @@ from shapely import MultiPolygon, Point, Polygon, box
 from tests.check.accelerated import all_accelerated
 
 from rota.check import check_plan, revisits
-from rota.check.pieces import convex_pieces
-from rota.check.revisits import piece_gaps, point_pieces, sights_of, worst_gaps_s
+from rota.check.pieces import convex_pieces, point_pieces
+from rota.check.revisits import piece_gaps, sights_of, worst_gaps_s
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
 from rota.model.plan import Plan, Trajectory
 

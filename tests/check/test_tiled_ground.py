@@ -39,13 +39,8 @@ def hall() -> Plan:
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Told from now on what is worked out of the mission."""
     told: list[str] = []
-    scene, areas, pieces = seeable.SeeableGround._ragged_scene, standing.standing, tiled_ground.convex_pieces
-
-    def one_scene(ground: seeable.SeeableGround, spread_m: float) -> object:
-        told.append("scene")
-        return scene(ground, spread_m)
-
-    monkeypatch.setattr(seeable.SeeableGround, "_ragged_scene", one_scene)
+    triangles, areas, pieces = seeable.triangles_of, standing.standing, tiled_ground.convex_pieces
+    monkeypatch.setattr(seeable, "triangles_of", lambda *given: (told.append("triangles"), triangles(*given))[1])
     monkeypatch.setattr(standing, "standing", lambda *given: (told.append("standing area"), areas(*given))[1])
     monkeypatch.setattr(tiled_ground, "convex_pieces", lambda *given: (told.append("tiles"), pieces(*given))[1])
     return told
@@ -55,13 +50,12 @@ def test_the_check_of_ragged_ground_that_is_ready_has_nothing_of_the_mission_lef
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(seeable, "RAGGED_SIDES", 0)
-    monkeypatch.setattr(seeable, "MANY_SIDES", 0)
     unprepared = check_plan(hall())
     assert unprepared.verdict == "violated"
     forget()
     told = counted(monkeypatch)
     get_ready(hall().mission)
-    assert {*told} == {"scene", "standing area", "tiles"}
+    assert {*told} == {"triangles", "standing area", "tiles"}
     told.clear()
     report = check_plan(hall())
     assert told == []

@@ -26,7 +26,7 @@ def kept(module: str, *, stamp: str | None = None) -> None:
 
 def test_only_the_main_kernels_of_each_package_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    kept("rota.check.sight_kernels")
+    kept("rota.check.triangle_kernels")
     kept("rota.geometry.kernels")
     assert not is_compiled("check")
     kept("rota.check.kernels", stamp="0123456789ab")  # of older sources

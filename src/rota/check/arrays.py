@@ -36,6 +36,25 @@ class Binned(NamedTuple):
     items: Ints
 
 
+WALL, STANDING = -1, -2  # what a side of a triangle is that no other triangle lies beyond
+
+
+class Triangles(NamedTuple):
+    """Ground as t triangles that share sides: all that is neither in an obstacle to sight nor where bodies stand.
+
+    corners_m: (v, 2). triangles: (t, 3) indices of corners, against the clock. beyond: (t, 3) the triangle beyond the
+    side from each corner to the next; WALL, or STANDING where bodies stand beyond it. Those near cell c of the grid are
+    items[offsets[c] : offsets[c + 1]].
+    """
+
+    corners_m: Floats
+    triangles: Ints
+    beyond: Ints
+    grid: Grid
+    offsets: Ints
+    items: Ints
+
+
 class Ways(NamedTuple):
     """The w ways that robots go: legs of the same two ends, in the same direction, with the same sensor are one way.
 

@@ -74,6 +74,12 @@ def join(parts: list[Pieces]) -> Pieces:
     return Pieces(offsets=np.cumsum(counts), corners_m=np.ascontiguousarray(corners))
 
 
+def point_pieces(points_m: Floats) -> Pieces:
+    """Points (n, 2) as pieces of one corner each."""
+    points = np.ascontiguousarray(points_m, np.float64).reshape(-1, 2)
+    return Pieces(offsets=np.arange(len(points) + 1, dtype=np.int64), corners_m=points)
+
+
 def quarter(pieces: Pieces, cuts: Floats, narrowest_m: float) -> tuple[Pieces, Ints]:
     """Each piece cut along a line and the parts across their longer sides, and the index of each part's piece.
 

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.findings import Findings, together
-from rota.check.pieces import Pieces, quarter
-from rota.check.revisits import Sights, passing_gaps, piece_gaps, point_pieces, swath_cuts
+from rota.check.pieces import Pieces, point_pieces, quarter
+from rota.check.revisits import Sights, passing_gaps, piece_gaps, swath_cuts
 from rota.check.tolerances import INSIDE, ROUNDING, SPOT_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-IsSeeable = Callable[[Floats, Floats | float, Ints], Flags]
+IsSeeable = Callable[[Pieces, Ints], Flags]
 
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
@@ -42,9 +42,8 @@ def refine(
 
     owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: smaller pieces are cut
     only where all of each that was looked at is met.
-    is_seeable(points (k, 2), spreads (k,), demands (k,)): whether a body can stand where it sees a point within its
-    spread, or that demand asks nothing of the point, so that other ground is not held against a piece; several threads
-    ask it.
+    is_seeable(k pieces, demands (k,)): whether a body can stand where it sees any of a piece, or that demand asks
+    nothing of its middle, so that other ground is not held against a piece; several threads ask it.
 
     Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``; with a
     ``few`` greater than 0 those in doubt are then cut as if nothing were violated, so that all is told at once. When
@@ -131,12 +130,12 @@ class _Level:
     def note_samples(self, findings: list[Findings], is_seeable: IsSeeable, finest_m: float) -> None:
         """Find the middles that nobody can see, and the worst of the others for each demand."""
         unseen = np.flatnonzero(self.unseen)
-        self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0, self.owners[unseen])
+        self.hidden[unseen] = ~is_seeable(point_pieces(self.middles[unseen]), self.owners[unseen])
         # the finest piece round a place at the rim of all that can be seen may be excluded: it speaks, not the place
         unseen = unseen[~self.hidden[unseen]]
         square = finest_m / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         round_m = (self.middles[unseen][:, None] + square).reshape(-1, 2)
-        inside = is_seeable(round_m, 0.0, np.repeat(self.owners[unseen], 4)).reshape(-1, 4).all(axis=1)
+        inside = is_seeable(point_pieces(round_m), np.repeat(self.owners[unseen], 4)).reshape(-1, 4).all(axis=1)
         self.bad[unseen[~inside]] = False
         counted = ~self.hidden & (self.bad | np.isfinite(self.gaps_s))
         for k in np.unique(self.owners[counted]):
@@ -191,12 +190,7 @@ class _Level:
 
     def _wholly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
         """Which pieces nobody can see any of: (k,) flags for the pieces ``index`` (k,)."""
-        if not len(index):
-            return np.zeros(0, bool)
-        corners, owner = self._inner_corners(index)
-        radii = np.zeros(len(index))
-        np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
-        return ~is_seeable(self.middles[index], radii * (1 + ROUNDING), self.owners[index])
+        return ~is_seeable(self.pieces.choose(index), self.owners[index])
 
     def _meets_in_passing(self, findings: list[Findings], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""
@@ -239,7 +233,7 @@ class _Level:
                 asked = np.flatnonzero((number == k) & ~hidden[owner])
                 gaps_s = piece_gaps(self.sights, point_pieces(points[asked]), np.zeros(len(asked))).gaps_s
                 never = asked[np.isinf(gaps_s)]
-                hidden[owner[never]] = ~is_seeable(points[never], 0.0, self.owners[index[owner[never]]])
+                hidden[owner[never]] = ~is_seeable(point_pieces(points[never]), self.owners[index[owner[never]]])
         return hidden
 
     def _note_corners(self, findings: list[Findings], index: Ints) -> None:

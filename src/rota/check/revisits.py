@@ -18,7 +18,7 @@ from rota.check import gap_kernels, kernels, lateness_kernels, passing_kernels, 
 from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
 from rota.check.blocking import blocks_sight
 from rota.check.charging import undocked_routes
-from rota.check.pieces import Pieces
+from rota.check.pieces import Pieces, point_pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
 from rota.check.timing_kernels import time_along
@@ -238,12 +238,6 @@ def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
     )
     lines[:, 2] += lines[:, :2] @ sights.origin_m
     return lines
-
-
-def point_pieces(points_m: Floats) -> Pieces:
-    """Points (n, 2) as pieces of one corner each."""
-    points = np.ascontiguousarray(points_m, np.float64).reshape(-1, 2)
-    return Pieces(offsets=np.arange(len(points) + 1, dtype=np.int64), corners_m=points)
 
 
 def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:

@@ -42,10 +42,8 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
         return
     sensors = [area.sensor for area in standing_areas(mission)]
     reach_m = min(sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2 for sensor in sensors)
-    pieces, _, _ = _tiles(mission, _tile_m(mission, reach_m, finest_m))
-    corners_m, owners = pieces.corners_m, pieces.owners()
-    widest_m = float(np.hypot(*(corners_m - pieces.centres_m()[owners]).T).max(initial=0.0))
-    seeable_ground(mission).get_ready(widest_m / 2)  # whole tiles that nobody sees are rare, and so wide a spread dear
+    _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    seeable_ground(mission).get_ready()
 
 
 def tile_and_refine(
@@ -68,13 +66,13 @@ def tile_and_refine(
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
-    def is_seeable(points_m: Floats, spreads_m: Floats | float, numbers: Ints) -> NDArray[np.bool_]:
-        can_see, spreads_m = np.ones(len(points_m), np.bool_), np.broadcast_to(spreads_m, len(points_m))
+    def is_seeable(pieces: Pieces, numbers: Ints) -> NDArray[np.bool_]:
+        can_see, middles_m = np.ones(len(pieces), np.bool_), pieces.centres_m()
         with one_at_a_time:
             for k in np.unique(numbers):
                 members = np.flatnonzero(numbers == k)
-                members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
-                can_see[members] = ground.sees_within(points_m[members], spreads_m[members])
+                members = members[shapely.contains_xy(regions[k], *middles_m[members].T)]
+                can_see[members] = ground.sees(pieces.choose(members))
         return can_see
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is

@@ -84,6 +84,54 @@ def rasterise(segments, margin_m, grid):
 
 
 @kernel
+def _rows_of_triangle(corners_m, triangle, left_m, right_m, margin_m, grid):
+    """The first and last row of a grid that a triangle comes within a margin of, between two lines along y."""
+    low, high = math.inf, -math.inf
+    for k in range(3):
+        ax, ay = corners_m[triangle[k], 0], corners_m[triangle[k], 1]
+        bx, by = corners_m[triangle[(k + 1) % 3], 0], corners_m[triangle[(k + 1) % 3], 1]
+        if max(ax, bx) < left_m or min(ax, bx) > right_m:
+            continue
+        u, v = 0.0, 1.0
+        if ax != bx:
+            u, v = (left_m - ax) / (bx - ax), (right_m - ax) / (bx - ax)
+            u, v = min(1.0, max(0.0, min(u, v))), max(0.0, min(1.0, max(u, v)))
+        ya, yb = ay + u * (by - ay), ay + v * (by - ay)
+        low, high = min(low, ya, yb), max(high, ya, yb)
+    low, high = low - margin_m - grid.y0_m, high + margin_m - grid.y0_m
+    return cell_along(low, grid.cell_m, grid.rows), cell_along(high, grid.cell_m, grid.rows)
+
+
+@kernel
+def sort_into_cells(corners_m, triangles, grid, margin_m):
+    """Offsets and items by cell of a grid: which triangles (t, 3), indices of corners (v, 2), come near it."""
+    offsets = np.zeros(grid.columns * grid.rows + 1, np.int64)
+    items = np.empty(0, np.int64)
+    for fill in range(2):
+        if fill == 1:
+            for c in range(grid.columns * grid.rows):
+                offsets[c + 1] += offsets[c]
+            items = np.empty(offsets[-1], np.int64)
+            cursor = offsets[:-1].copy()
+        for t in range(len(triangles)):
+            x0, x1, x2 = corners_m[triangles[t, 0], 0], corners_m[triangles[t, 1], 0], corners_m[triangles[t, 2], 0]
+            first = cell_along(min(x0, x1, x2) - margin_m - grid.x0_m, grid.cell_m, grid.columns)
+            last = cell_along(max(x0, x1, x2) + margin_m - grid.x0_m, grid.cell_m, grid.columns)
+            for i in range(first, last + 1):
+                left_m = grid.x0_m + i * grid.cell_m - margin_m
+                right_m = left_m + grid.cell_m + 2 * margin_m
+                low, high = _rows_of_triangle(corners_m, triangles[t], left_m, right_m, margin_m, grid)
+                for j in range(low, high + 1):
+                    cell = i * grid.rows + j
+                    if fill == 0:
+                        offsets[cell + 1] += 1
+                    else:
+                        items[cursor[cell]] = t
+                        cursor[cell] += 1
+    return offsets, items
+
+
+@kernel
 def swath_cuts(offsets, corners, grid, ways, margin_m):
     """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a way sees; nan where there is none.
 
