@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rota.check import lateness_kernels
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.late_report import LateSample
-from rota.check.pieces import quarter
+from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
 from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, point_pieces, sights_along
 from rota.check.routes import HOLD, LOOP, Routes, routes_of, sensors_of
@@ -180,7 +180,7 @@ def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) ->
     areas_m2 *= own.areas_m2().sum() / max(areas_m2.sum(), NO_LENGTH)
     gaps_s, begins_s, late_s, last_s = late_points(sights, points, demand.period_s * (1 + PERIOD_TOLERANCE))
     unseen = np.flatnonzero(np.isinf(gaps_s))
-    hidden = ~seeable_ground(plan.mission).sees_within(points[unseen], np.zeros(len(unseen)))
+    hidden = ~seeable_ground(plan.mission).sees(point_pieces(points[unseen]))
     kept = np.setdiff1d(np.arange(len(points)), unseen[hidden])
     return _sum_up(gaps_s[kept], begins_s[kept], points[kept], (late_s * areas_m2)[kept], last_s[kept])
 
