@@ -73,7 +73,7 @@ def _some_points(sights: Sights, plan: Plan, k: int, most_points: int) -> tuple[
         return np.empty((0, 2)), np.empty(0)
     chosen = own[np.unique(np.linspace(0, len(own) - 1, most_points).astype(np.int64))]
     points = pieces.choose(chosen).centres_m()
-    seeable = seeable_ground(plan.mission).sees_within(points, np.zeros(len(points)))
+    seeable = seeable_ground(plan.mission).sees(point_pieces(points))
     share_m2 = pieces.choose(own).areas_m2().sum() / max(1, np.count_nonzero(seeable))
     return points[seeable], np.full(np.count_nonzero(seeable), share_m2)
 
