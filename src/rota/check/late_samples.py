@@ -13,7 +13,7 @@ from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.late_report import LateSample
 from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
-from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, point_pieces, sights_along
+from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along
 from rota.check.routes import HOLD, LOOP, Routes, routes_of, sensors_of
 from rota.check.seeable import seeable_ground
 from rota.check.tiled_ground import tiles_of
