@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks.anytime import anytime
 from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
+from benchmarks.charging import charging
 from benchmarks.check_legs import check_legs
 from benchmarks.city import city
 from benchmarks.cold_start import cold_start
@@ -234,6 +235,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "motion": motion,
     "never-more": never_more,
     "cyclic-visits": cyclic_visits,
+    "charging": charging,
     "stopping": stopping,
     "house": house,
     "suite": suite,

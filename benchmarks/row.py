@@ -8,6 +8,7 @@ from typing import NamedTuple
 # figures that heed ``effort``; all others are measured at quick
 EFFORT_TAKEN = (
     "sun-cases",
+    "charging",
     "loop-lengths",
     "sun2019-method",
     "one-robot",

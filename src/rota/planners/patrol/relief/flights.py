@@ -86,9 +86,11 @@ def _robot(
     It begins with what it does at time 0, in the middle of a job as may be.
     """
     first_s = jobs[0][0]
-    rounds = np.floor(first_s / lasts_s)
+    rounds = np.floor((first_s + SAME_TIME_S) / lasts_s)
     jobs = [(begins_s - rounds * lasts_s, line) for begins_s, line in jobs]
     first_s = jobs[0][0]
+    if abs(first_s) <= SAME_TIME_S:
+        jobs, first_s = [(begins_s - first_s, line) for begins_s, line in jobs], 0.0
     times_s = np.concatenate([*(begins_s + line.times_s for begins_s, line in jobs), [first_s + lasts_s]])
     places_m = np.vstack([*(line.places_m for _, line in jobs), charger_m])
     ends = np.cumsum([len(line.times_s) for _, line in jobs])

@@ -18,8 +18,17 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
-from rota.planners.patrol.relief.slots import Slot, handovers_of, slots_of, slower_slots
+from rota.planners.patrol.relief.slots import (
+    MOMENT,
+    Handovers,
+    Slot,
+    handovers_of,
+    slots_of,
+    slower_slots,
+    without_waits,
+)
 from rota.planners.patrol.relief.turns import rotations_of
+from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
@@ -83,10 +92,13 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
     verdict = judge(loops)
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
     slots = slots_of(loops, ratio)
-    slower = slower_slots(loops, slots, lambda plan: judge(plan).verdict == "met")
-    tight = [replace(slot, most_s=slot.line.duration_s or slot.most_s) for slot in slots]
+    slower = slower_slots(loops, slots, judge)
+    hasty = without_waits(slower, mission.fleet.equal_robot("robot-1").ground_speed_m_s)
+    tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
     found: Plan | None = None
-    for tried, number in itertools.product((slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)):
+    for tried, number in itertools.product(
+        (hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)
+    ):
         team = _Team(mission, tried)
         robots = team.trajectories(team.cycles(), seed + number, varied=number > 0)
         found = replace(loops, mission=mission, trajectories=tuple(robots))
@@ -94,6 +106,11 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
             return found
     assert found is not None
     raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
+
+
+def nearest_s(handovers: Sequence[Handovers]) -> float:
+    """The shortest way between a slot and a charger."""
+    return min(float(own.ways_s.min()) for own in handovers)
 
 
 class _Team:
@@ -106,6 +123,11 @@ class _Team:
         self._paths: ShortestPaths = PathsByBody(mission).paths(body_m)
         self._handovers = handovers_of(slots, mission.chargers, self._paths, speed_m_s)
         self._clearance_s = clearance_of(mission)
+        # who comes from a charger to a place beside it has not been there unless it stays for a moment
+        self._slots = [
+            replace(slot, least_s=max(slot.least_s, MOMENT * slot.most_s * (nearest_s(own) <= SAME_TIME_S)))
+            for slot, own in zip(slots, self._handovers, strict=True)
+        ]
 
     def cycles(self) -> list[Cycle]:
         """The slots in cycles that take the fewest robots, each with the charger that is nearest to its slots."""

@@ -130,7 +130,7 @@ def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], usable_s
     most_s = max(usable_s, *(slot.most_s for slot in slots))
     found = [usable_s - 2 * float(own.ways_s.min()) for own in handovers]
     for slot in slots:
-        for round_s in {slot.line.duration_s, slot.most_s} - {0.0}:
+        for round_s in {slot.least_s, slot.most_s} if not slot.line.stays else {slot.most_s}:
             found += (round_s * np.arange(1, min(most_s / round_s, MOST_TURNS) + SAME_ROUND)).tolist()
     turns_s: Floats = np.unique([turn_s for turn_s in found if 0 < turn_s <= most_s])
     chosen: Floats = turns_s[np.linspace(0, len(turns_s) - 1, min(len(turns_s), MOST_TURNS)).astype(int)]
@@ -142,7 +142,7 @@ def best_shifts(slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLim
     zeros = np.zeros(len(turns_s))
     best = _Options(zeros.copy(), zeros.copy(), zeros.copy(), zeros.copy(), np.full(len(turns_s), np.inf))
     tried = list(_whole_rounds(slot, own, turns_s, clearance_s))
-    if slot.line.duration_s + 2 * float(own.ways_s.min()) > battery.usable_s:
+    if slot.least_s + 2 * float(own.ways_s.min()) > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
     for jobs, rounds, round_s, way_s, possible in tried:
         flown_s = rounds * round_s + 2 * way_s
@@ -158,14 +158,16 @@ Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, ro
 
 def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
     """Jobs of whole rounds, with pauses between robots that are as long as periods allow."""
-    least_s, most_s, way_s = slot.line.duration_s, slot.most_s, float(own.ways_s.min())
+    least_s, most_s, way_s = slot.least_s, slot.most_s, float(own.ways_s.min())
     for jobs in range(1, MOST_JOBS + 1):
         each_s = turns_s / jobs
         fewest = np.maximum(1, np.ceil(each_s / most_s * (1 - SAME_ROUND)))
         for more in range(MOST_ROUNDS_MORE):
             rounds = fewest + more
             # rounds are as much shorter as the pause between two robots makes the last one longer
-            longest_s = (most_s - each_s / rounds) / np.maximum(slot.passes - 1 / rounds, SAME_ROUND)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                longest_s = (most_s - each_s / rounds) / (slot.passes - 1 / rounds)
+            longest_s[rounds * slot.passes == 1] = np.inf  # each place is seen once between two pauses
             pause_s = np.minimum(each_s - rounds * least_s, longest_s)
             pause_s[np.abs(pause_s) <= SAME_ROUND * each_s] = 0.0
             possible = (pause_s >= 0) & (each_s / rounds <= most_s * (1 + SAME_ROUND))
@@ -176,7 +178,7 @@ def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: floa
 
 def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
     """Jobs of equal parts of one round a turn, driven as fast as can be where no other loop keeps step."""
-    least_s, most_s = slot.line.duration_s, slot.most_s
+    least_s, most_s = slot.least_s, slot.most_s
     for parts in (each for each in range(2, SPOTS) if SPOTS % each == 0):
         _, way_s = own.nearest_parts(least_s, parts)
         pause_s = turns_s / parts - least_s / parts if not slot.keeps_step else np.zeros(len(turns_s))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +12,13 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
-from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
+from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
+from rota.planners.patrol.verdict import Judge
 
 Floats = NDArray[np.float64]
 
+MOMENT = 1e-3  # of the period, that a robot is at least where another one would stay for ever
+ONCE = 1.01  # times a period: a round that may be no longer takes that period
 SPOTS = 120  # of a loop, beside its corners, at which robots may change; many numbers divide it
 
 
@@ -23,12 +26,14 @@ SPOTS = 120  # of a loop, beside its corners, at which robots may change; many n
 class Slot:
     """A loop that robots take turns at.
 
-    line: its round as fast as it can be driven, from where it is at time 0 of the timetable of all loops. most_s: how
-    long a round may take, from one time to the next. keeps_step: other loops go round as fast. passes: how often in a
-    round a place may be seen that must be: by so much less than the rest of most_s may one robot come after another.
+    line: its round as fast as it can be driven, from where it is at time 0 of the timetable of all loops. least_s: what
+    that takes; a robot that stays need be there for a moment only. most_s: how long a round may take, from one time to
+    the next. keeps_step: other loops go round as fast. passes: how often in a round a place may be seen that must be:
+    by so much less than the rest of most_s may one robot come after another.
     """
 
     line: TimedLine
+    least_s: float
     most_s: float
     keeps_step: bool
     passes: float
@@ -65,35 +70,66 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
         first = one.loop_index
         line = steady(one.times_s[first:] - one.times_s[first], one.positions_m[first:, :2])
         if lasts_s == 0:  # a robot that stays sees all that it sees whenever one comes there
-            slots.append(Slot(line=line, most_s=asked_periods_s(plan.mission)[0], keeps_step=False, passes=1.0))
+            most_s = asked_periods_s(plan.mission)[0]
+            least_s = 0.0 if only_visits(plan.mission) else MOMENT * most_s
+            slots.append(Slot(line=line, least_s=least_s, most_s=most_s, keeps_step=False, passes=1.0))
             continue
         alike = int((np.abs(durations_s - lasts_s) <= SAME_ROUND * lasts_s).sum())
         most_s = float(lasts_s / max(worst_ratio, SAME_ROUND))
-        passes = max(1.0, most_s / asked_periods_s(plan.mission)[0])
+        periods_s = asked_periods_s(plan.mission)
+        # who comes into a zone is in it a moment longer than at a place
+        most_s = next((period_s for period_s in periods_s if period_s <= most_s <= period_s * ONCE), most_s)
+        passes = max(1.0, most_s / periods_s[0])
         line = start_at(line, -one.loop_start_s)
-        slots.append(Slot(line=line, most_s=most_s, keeps_step=alike > 1, passes=passes))
+        slots.append(Slot(line=line, least_s=line.duration_s, most_s=most_s, keeps_step=alike > 1, passes=passes))
     return slots
 
 
-def slower_slots(plan: Plan, slots: Sequence[Slot], passes: Callable[[Plan], bool]) -> list[Slot]:
+def slower_slots(plan: Plan, slots: Sequence[Slot], judge: Judge) -> list[Slot]:
     """The slots, with rounds as long as the shortest period that such a loop may serve where the plan passes so.
 
-    Each loop that keeps no step with others is slowed down in turn, all others being as they were.
+    Each loop that keeps no step with others is slowed down in turn, all others being as they were. A robot that stays
+    serves what is seen too seldom without it.
     """
     periods_s = np.array(asked_periods_s(plan.mission))
     slower = []
     for k, slot in enumerate(slots):
         enough_s = periods_s[periods_s > slot.most_s * (1 + SAME_ROUND)]
-        if not slot.keeps_step and not slot.line.stays and len(enough_s) and slot.line.duration_s <= enough_s[0]:
-            one = plan.trajectories[k]
+        others = (*plan.trajectories[:k], *plan.trajectories[k + 1 :])
+        if slot.line.stays and len(enough_s):
+            demands = judge(replace(plan, trajectories=others)).demands
+            served_s = [demand.period_s for demand in demands if demand.worst_gap_s > demand.period_s]
+            slot = replace(slot, most_s=min(served_s, default=float(periods_s[-1])))
+        elif not slot.keeps_step and len(enough_s) and slot.line.duration_s <= enough_s[0]:
             times_s = slot.line.times_s * (enough_s[0] / slot.line.duration_s)
             times_s[-1] = enough_s[0]
-            slow = replace(one, times_s=times_s, positions_m=slot.line.places_m, loop_start_s=0.0, waypoints=None)
-            others = (*plan.trajectories[:k], slow, *plan.trajectories[k + 1 :])
-            if passes(replace(plan, trajectories=others)):
+            places_m = slot.line.places_m
+            slow = replace(
+                plan.trajectories[k], times_s=times_s, positions_m=places_m, loop_start_s=0.0, waypoints=None
+            )
+            if judge(replace(plan, trajectories=(*others, slow))).verdict == "met":
                 slot = replace(slot, most_s=float(enough_s[0]), passes=1.0)
         slower.append(slot)
     return slower
+
+
+def without_waits(slots: Sequence[Slot], speed_m_s: float) -> list[Slot]:
+    """The slots, with rounds that are driven at full speed from corner to corner where no other loop keeps step."""
+    hasty = []
+    for slot in slots:
+        steps_s = np.hypot(*np.diff(slot.line.places_m, axis=0).T) / (speed_m_s * SLOWER)
+        if not slot.keeps_step and steps_s.sum() < slot.least_s * (1 - ROUNDING):
+            kept = np.concatenate([[True], steps_s > 0])
+            times_s = np.concatenate([[0.0], np.cumsum(steps_s)])[kept]
+            line = steady(times_s, slot.line.places_m[kept])
+            slot = replace(slot, line=line, least_s=line.duration_s)
+        hasty.append(slot)
+    return hasty
+
+
+def only_visits(mission: Mission) -> bool:
+    """Whether robots only have to come to places: a moment there is enough."""
+    return mission.period_s is None and all(z.demand == "visit" for z in mission.zones if z.period_s is not None)
 
 
 def asked_periods_s(mission: Mission) -> list[float]:

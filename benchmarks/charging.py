@@ -1,0 +1,189 @@
+"""Robots that charge: Sun 2019's cases with batteries, tiny missions beside brute force, and the check of many reliefs.
+
+Brute force. Places lie on a line, a second apart; one is the charger. In each second a robot goes to the next place,
+hovers, or charges. A state is where all robots are, how full they are, and how long ago each place was visited. States
+without a next one are struck out again and again: robots do for ever if a state with full batteries is left.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import MultiPolygon, box
+
+from benchmarks.row import Options, Row
+from benchmarks.sun_cases import CASES, write_case
+from rota import DiscSensor, Fleet, Mission, PatrolSettings, Zone, make_plan
+from rota.check import check_plan
+from rota.files.mission_file import read_mission
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger
+from rota.model.plan import Plan
+
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+MOST_RATIO = 1.35  # of robots to the proved bound, over all cases
+TINY = 100
+MOST_BY_FORCE = 2
+RELIEFS, TEAM = 40, 20
+
+
+def charging(options: Options) -> Iterator[Row]:
+    """Sun's cases, the check of the largest of their plans, and the tiny missions."""
+    plans = [plan_of_case(options, k) for k in range(len(CASES))]
+    robots, bound = sum(map(len, plans)), sum(plan.lower_bound_robots or 0 for plan in plans)
+    each = ", ".join(f"{len(plan)} ({plan.lower_bound_robots})" for plan in plans)
+    what = "Sun 2019, the seven cases, endurance 10 and recharge 20 times the longest period, one pad in the middle"
+    measured = f"{robots} robots (bound {bound}), {robots / bound:.2f} times: {each}"
+    yield Row(
+        f"{what}, {options.effort}", f"at most {MOST_RATIO} times the bound", measured, robots <= MOST_RATIO * bound
+    )
+    yield checked_row(min((plan for plan in plans if len(plan) >= TEAM), key=len, default=max(plans, key=len)))
+    yield tiny_row()
+
+
+def plan_of_case(options: Options, number: int) -> Plan:
+    """The plan of a case whose robots charge on a pad in the middle of the map."""
+    mission = read_mission(write_case(CASES[number], options.folder)).mission.with_effort(options.effort)
+    longest_s = max(CASES[number].periods_s)
+    fleet = replace(mission.fleet, battery=BatteryLimits(endurance_s=10 * longest_s, recharge_s=20 * longest_s))
+    x0, y0, x1, y1 = mission.area.bounds
+    pad = Charger(name="pad", at=((x0 + x1) / 2, (y0 + y1) / 2), places=99)
+    return make_plan(replace(mission, fleet=fleet, chargers=(pad,)))
+
+
+def checked_row(plan: Plan) -> Row:
+    """How long the check of a whole round of flights and charges takes."""
+    reliefs = sum(len(trajectory.charges) for trajectory in plan)
+    check_plan(plan)
+    took_s = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        verdict = check_plan(plan).verdict
+        took_s.append(time.perf_counter() - begin)
+    legs = sum(len(trajectory.times_s) - 1 for trajectory in plan)
+    measured = f"{sorted(took_s)[1]:.1f} s; {len(plan)} robots, {reliefs} reliefs, {legs:,} legs, {verdict}"
+    reached = sorted(took_s)[1] < 10 and verdict == "met" and len(plan) >= TEAM and reliefs >= RELIEFS
+    return Row(
+        "check of a round of flights and charges", f"< 10 s for {TEAM} robots, {RELIEFS} reliefs", measured, reached
+    )
+
+
+class Tiny(NamedTuple):
+    """A line of places a second apart: which is the charger, periods of those to visit, and the battery in seconds."""
+
+    places: int
+    charger: int
+    periods_s: dict[int, int]
+    endurance_s: int
+    recharge: float
+
+
+def tiny_row() -> Row:
+    """Robots of tiny missions beside the fewest by brute force, which is for steps of a second."""
+    more: list[int] = []
+    unplanned = below_bound = 0
+    for seed in range(TINY):
+        tiny = tiny_line(seed)
+        fewest = fewest_by_force(tiny)
+        plan = make_plan(mission_of(tiny))
+        unplanned += check_plan(plan).verdict != "met"
+        below_bound += fewest <= MOST_BY_FORCE and (plan.lower_bound_robots or 0) > fewest
+        more.append(len(plan) - fewest)
+    counts = ", ".join(f"{more.count(k)} by {k:+d}" for k in sorted(set(more)))
+    measured = f"{TINY - unplanned} met; robots differ from brute force: {counts}; bound above it: {below_bound}"
+    return Row(f"{TINY} tiny missions with a charger", "as many robots as by brute force", measured, max(more) <= 0)
+
+
+def tiny_line(seed: int) -> Tiny:
+    """A line at random on which one robot can reach each place and come back."""
+    chance = np.random.default_rng(seed)
+    places = int(chance.integers(2, 5))
+    charger = int(chance.integers(places))
+    asked = chance.choice(places, int(chance.integers(1, min(places, 2) + 1)), replace=False)
+    far = max(abs(int(k) - charger) for k in asked)
+    return Tiny(
+        places=places,
+        charger=charger,
+        periods_s={int(k): int(chance.integers(2, 11)) for k in asked},
+        endurance_s=2 * far + int(chance.integers(2, 7)),
+        recharge=float(chance.choice([0.5, 1.0, 2.0])),
+    )
+
+
+def mission_of(tiny: Tiny) -> Mission:
+    """The line as a mission: places are small zones to visit."""
+    zones = tuple(
+        Zone(
+            name=f"place {k}",
+            shape=MultiPolygon([box(k - 1e-3, -1e-3, k + 1e-3, 1e-3)]),
+            period_s=period_s,
+            demand="visit",
+        )
+        for k, period_s in tiny.periods_s.items()
+    )
+    battery = BatteryLimits(endurance_s=tiny.endurance_s, recharge_s=tiny.recharge * tiny.endurance_s)
+    return Mission(
+        name="tiny",
+        area=MultiPolygon([box(-1, -1, tiny.places, 1)]),
+        zones=zones,
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=0.1), battery=battery),
+        chargers=(Charger(name="pad", at=(tiny.charger, 0), places=9),),
+        planning=PatrolSettings(effort="quick"),
+    )
+
+
+def fewest_by_force(tiny: Tiny) -> int:
+    """The fewest robots in steps of a second; MOST_BY_FORCE + 1 for any more than that."""
+    return next((n for n in range(1, MOST_BY_FORCE + 1) if goes_on_for_ever(tiny, n)), MOST_BY_FORCE + 1)
+
+
+def goes_on_for_ever(tiny: Tiny, robots: int) -> bool:
+    """Whether so many robots, with full batteries at first, keep all periods for ever."""
+    follows, visited = steps_of(tiny)
+    each, moves = follows.shape
+    joint = np.indices((each,) * robots).reshape(robots, -1)
+    periods = list(tiny.periods_s.values())
+    clocks = np.indices(periods).reshape(len(periods), -1)  # seconds since a visit, below the period
+    alive = np.ones((joint.shape[1], clocks.shape[1]), np.bool_)
+    while True:
+        goes = np.zeros_like(alive)
+        for chosen in itertools.product(range(moves), repeat=robots):
+            nexts = [follows[joint[k], move] for k, move in enumerate(chosen)]
+            possible = np.all([state >= 0 for state in nexts], axis=0)
+            place = np.ravel_multi_index([np.maximum(state, 0) for state in nexts], (each,) * robots)
+            seen = np.bitwise_or.reduce([visited[joint[k], move] for k, move in enumerate(chosen)])
+            for mask in np.unique(seen[possible]):
+                own = np.flatnonzero(possible & (seen == mask))
+                later = [np.where(mask >> z & 1, 0, clocks[z] + 1) for z in range(len(periods))]
+                kept = np.all([clock < period for clock, period in zip(later, periods, strict=True)], axis=0)
+                there = np.ravel_multi_index(later, periods, mode="clip")
+                goes[own] |= alive[place[own]][:, there] & kept
+        goes &= alive
+        if (goes == alive).all():
+            break
+        alive = goes
+    full = np.all(joint % (2 * tiny.endurance_s + 1) == 2 * tiny.endurance_s, axis=0)
+    return bool(alive[full].any())
+
+
+def steps_of(tiny: Tiny) -> tuple[Ints, Ints]:
+    """What one robot's state (place, half seconds of battery left) becomes by each move, -1: impossible; and visits."""
+    levels = 2 * tiny.endurance_s + 1
+    bits = {place: 1 << number for number, place in enumerate(tiny.periods_s)}
+    follows, visited = np.full((tiny.places * levels, 4), -1), np.zeros((tiny.places * levels, 4), np.int64)
+    for place, level in itertools.product(range(tiny.places), range(levels)):
+        for move, to in enumerate((place - 1, place, place + 1)):
+            if 0 <= to < tiny.places and level >= 2:
+                follows[place * levels + level, move] = to * levels + level - 2
+                visited[place * levels + level, move] = bits.get(to, 0)
+        if place == tiny.charger:
+            follows[place * levels + level, 3] = place * levels + min(levels - 1, level + round(2 / tiny.recharge))
+    return follows, visited
