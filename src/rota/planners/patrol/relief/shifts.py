@@ -75,14 +75,18 @@ class Cycle:
         return max(1, math.ceil(busy_s / self.turn_s * (1 - SAME_ROUND)))
 
 
-class _Options(NamedTuple):
-    """Ways (n,) to serve a slot at turns of n lengths; busy_s counts all jobs of a turn, inf: impossible."""
+class _Way(NamedTuple):
+    """A way to serve a slot in turns of n lengths (n,); busy_s counts all jobs of a turn, inf: impossible."""
 
-    jobs: Floats
+    jobs: int
     rounds: Floats
     round_s: Floats
-    way_s: Floats
+    way_s: float
     busy_s: Floats
+
+    def at(self, turns: NDArray[np.bool_]) -> _Way:
+        """The same for some of the turns (n,)."""
+        return self._replace(rounds=self.rounds[turns], round_s=self.round_s[turns], busy_s=self.busy_s[turns])
 
 
 def charging_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats:
@@ -103,26 +107,41 @@ def best_cycle(
     """
     charger = handovers[members[0]].charger
     turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery.usable_s)
-    tried = [best_shifts(slots[k], handovers[k], turns_s, battery, clearance_s) for k in members]
-    busy = np.array([each.busy_s for each in tried]).sum(axis=0) / turns_s
-    if not np.isfinite(busy).any():
+    tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s) for k in members]
+    busy_s = sum(np.min([way.busy_s for way in ways], axis=0) for ways in tried)
+    if not (possible := np.isfinite(busy_s)).any():
         return None
-    robots = np.where(np.isfinite(busy), np.ceil(busy * (1 - SAME_ROUND)), np.inf)
-    jobs = np.array([each.jobs for each in tried]).sum(axis=0)
-    k = int(np.lexsort((busy, np.round(jobs / turns_s, 9), robots))[0])
+    tried = [[way.at(possible) for way in ways] for ways in tried]
+    turns_s, busy_s = turns_s[possible], busy_s[possible]
+    robots = np.ceil(busy_s / turns_s * (1 - SAME_ROUND))
+    chosen = [np.zeros(len(turns_s), np.int64) for _ in members]
+    for own, ways in zip(chosen, tried, strict=True):  # as few jobs as these robots have time for
+        least_s = np.min([way.busy_s for way in ways], axis=0)
+        for k in reversed(np.argsort([way.jobs for way in ways], kind="stable")):
+            enough = busy_s - least_s + ways[k].busy_s <= robots * turns_s * (1 - SAME_ROUND)
+            own[enough | (ways[k].busy_s == least_s)] = k
+        every = np.array([way.busy_s for way in ways])
+        busy_s = busy_s - least_s + np.take_along_axis(every, own[None], axis=0)[0]
+    jobs = sum(np.array([way.jobs for way in ways])[own] for own, ways in zip(chosen, tried, strict=True))
+    best = int(np.lexsort((busy_s / turns_s, np.round(jobs / turns_s, 9), robots))[0])
     shifts = tuple(
-        Shift(
-            slot=number,
-            jobs=int(each.jobs[k]),
-            rounds=float(each.rounds[k]),
-            round_s=float(each.round_s[k]),
-            way_s=float(each.way_s[k]),
-            busy_s=float(each.busy_s[k] / each.jobs[k]),
-            most_way_s=(battery.usable_s - float(each.rounds[k] * each.round_s[k])) / 2,
-        )
-        for number, each in zip(members, tried, strict=True)
+        _shift(number, ways[own[best]], best, battery) for number, own, ways in zip(members, chosen, tried, strict=True)
     )
-    return Cycle(charger=charger, turn_s=float(turns_s[k]), shifts=shifts)
+    return Cycle(charger=charger, turn_s=float(turns_s[best]), shifts=shifts)
+
+
+def _shift(slot: int, way: _Way, k: int, battery: BatteryLimits) -> Shift:
+    """The shift of a slot that is served this way in turns of the k-th length."""
+    rounds, round_s = float(way.rounds[k]), float(way.round_s[k])
+    return Shift(
+        slot=slot,
+        jobs=way.jobs,
+        rounds=rounds,
+        round_s=round_s,
+        way_s=way.way_s,
+        busy_s=float(way.busy_s[k]) / way.jobs,
+        most_way_s=(battery.usable_s - rounds * round_s) / 2,
+    )
 
 
 def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], usable_s: float) -> Floats:
@@ -137,20 +156,24 @@ def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], usable_s
     return chosen
 
 
-def best_shifts(slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float) -> _Options:
-    """The best way to serve a slot at each length of a turn (n,): whole rounds, or parts where these are too long."""
-    zeros = np.zeros(len(turns_s))
-    best = _Options(zeros.copy(), zeros.copy(), zeros.copy(), zeros.copy(), np.full(len(turns_s), np.inf))
+def ways_to_serve(
+    slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float
+) -> list[_Way]:
+    """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long."""
     tried = list(_whole_rounds(slot, own, turns_s, clearance_s))
     if slot.least_s + 2 * float(own.ways_s.min()) > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
+    best: dict[tuple[int, float], _Way] = {}
     for jobs, rounds, round_s, way_s, possible in tried:
         flown_s = rounds * round_s + 2 * way_s
-        busy_s = jobs * (flown_s + charging_s(battery, own.charger, flown_s))
-        better = possible & (flown_s <= battery.usable_s * (1 + SAME_ROUND)) & (busy_s < best.busy_s * (1 - SAME_ROUND))
-        for kept, new in zip(best, (zeros + jobs, zeros + rounds, round_s, zeros + way_s, busy_s), strict=True):
+        possible = possible & (flown_s <= battery.usable_s * (1 + SAME_ROUND))
+        busy_s = np.where(possible, jobs * (flown_s + charging_s(battery, own.charger, flown_s)), np.inf)
+        way = _Way(jobs, np.broadcast_to(rounds, turns_s.shape).astype(float), round_s, way_s, busy_s)
+        known = best.setdefault((jobs, way_s), way)
+        better = busy_s < known.busy_s * (1 - SAME_ROUND)
+        for kept, new in zip(known[1:3] + known[4:], way[1:3] + way[4:], strict=True):
             kept[better] = new[better]
-    return best
+    return list(best.values())
 
 
 Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, rounds, round_s, way_s, possible
