@@ -35,10 +35,22 @@ COVERED = "#009E73"
 COVERED_EDGE = "#00664B"
 
 
+CHARGER, CHARGER_INK = "#FFE45C", "#222222"
+DOCKED = "#6E6E6E"  # a robot on a charger
+CHARGES, RESTS, CHARGES_EDGE = "#E2E2E2", "#F4F4F4", "#9A9A9A"  # in charts: it fills, it is full
+BATTERY, RESERVE = "#222222", "#C4001A"
+
+
 def route_style(index: int) -> tuple[str, LineStyle]:
     """Colour and line style of the ``index``-th route; the pair repeats after 32, the colour after 8."""
     colours, styles = len(ROUTE_COLOURS), len(ROUTE_STYLES)
     return ROUTE_COLOURS[index % colours], ROUTE_STYLES[index // colours % styles]
+
+
+def pale(colour: str, share: float = 0.5) -> tuple[float, float, float]:
+    """A colour with so much white in it."""
+    red, green, blue = ((1 - share) * part + share for part in to_rgb(colour))
+    return red, green, blue
 
 
 def ink_on(colour: str) -> str:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
+from rota.draw.charging_chart import charging_chart
 from rota.draw.deployment_maps import is_deployment, range_half, ways_half
 from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
@@ -21,10 +22,12 @@ from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
+from rota.routes.flights import recharges
 
 FORMATS = (".png", ".svg", ".pdf")
 UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}
 
+TURNS_TITLE = "Loops that robots take turns at, lettered where these come to them"
 BAR, BAR_TEXT = 0.13, 0.42  # inches
 
 
@@ -76,7 +79,8 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     """The picture as a matplotlib figure: routes on the left (or top), worst gaps over about ``cells`` cells beside.
 
     Of robots that hold, with nothing asked of the ground, it shows their ways and what they have in range in the end;
-    of bouncing ones on cells their ways or loops and how often they enter each cell.
+    of bouncing ones on cells their ways or loops and how often they enter each cell. Of robots that charge it has a
+    chart of their flights and batteries below.
     """
     rules = plan.mission.planning.bouncing
     bounced = rules is not None and rules.cell_m > 0
@@ -85,7 +89,7 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     if is_deployment(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), range_half(plan))
     routes = Half(
-        title="Routes, numbered where each robot's loop starts",
+        title=TURNS_TITLE if recharges(plan) else "Routes, numbered where each robot's loop starts",
         draw=lambda ax: draw_routes(plan, ax),
         legend=[*route_legend(plan), *mission_legend(plan.mission)],
     )
@@ -100,7 +104,8 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
         scale_in=BAR + BAR_TEXT,
         scale=lambda fig, x, y, width: _colour_bar(fig, images[0], x, y - BAR, width),
     )
-    return two_maps(plan.mission, _header(plan), routes, unseen)
+    below = charging_chart(plan) if recharges(plan) else None
+    return two_maps(plan.mission, _header(plan), routes, unseen, below)
 
 
 @overload

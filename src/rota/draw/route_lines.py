@@ -10,11 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from rota.draw.chargers import charger_entry, draw_chargers
 from rota.draw.mission_picture import plain, points_per_metre
-from rota.draw.palette import ink_on, route_style
-from rota.draw.routes import Route, arrowheads, routes_of
+from rota.draw.palette import DOCKED, ink_on, route_style
+from rota.draw.routes import Route, arrowheads, routes_of, service_in
 from rota.model.plan import Plan
 from rota.planning.plan_summary import round_off
+from rota.routes.flights import recharges
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +25,7 @@ MARK_FONT_PT = 7.0
 ARROW_IN = 0.085
 LISTED_ROUTES = 60
 APPROACH = (0, (4, 2))  # the dashes of the way from the start
+WAY = "#333333"
 
 
 def _numbers(robots: tuple[int, ...]) -> str:
@@ -34,6 +37,11 @@ def _numbers(robots: tuple[int, ...]) -> str:
 
 def route_label(plan: Plan, route: Route) -> str:
     """A loop's line in the legend: numbers and names of its robots, its length and time."""
+    if route.letter is not None:
+        robots = f"robot {_numbers(route.robots)}" if len(route.robots) == 1 else f"robots {_numbers(route.robots)}"
+        if not route.duration_s:
+            return f"{route.letter}: a place, {robots} in turns"
+        return f"{route.letter}: {round_off(route.length_m)} m, {round_off(route.duration_s)} s, {robots} in turns"
     names = [plan.trajectories[k].robot for k in route.robots]
     shown = names if len(names) <= 2 else [names[0], "…", names[-1]]
     name = plain(", ".join(shown) if len(names) <= 2 else " ".join(shown), 28)
@@ -79,33 +87,51 @@ def _draw_heads(ax: Axes, route: Route, colour: str, count: int, clear_m: float)
 
 def _draw_approach(ax: Axes, plan: Plan, robot: int, colour: str) -> None:
     trajectory = plan.trajectories[robot]
-    if trajectory.loop_index:
+    if trajectory.loop_index and not trajectory.charges:
         way_m = trajectory.positions_m[: trajectory.loop_index + 1, :2]
         ax.plot(*way_m.T, color=colour, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
         ax.plot(*way_m[:1].T, color=colour, marker="s", markersize=3.5, markerfacecolor="white", zorder=3.9)
 
 
-def _spread(places_m: Floats, scale: float) -> Floats:
-    """Offsets (n, 2) in points that keep marks at these places (n, 2) from covering each other."""
+def _spread(places_m: Floats, scale: float, taken_m: Floats) -> Floats:
+    """Offsets (n, 2) in points that keep marks at places (n, 2) from covering each other, and what is taken (k, 2)."""
     rings = [np.zeros((1, 2))]
     for ring in range(1, 7):
         turn = np.arange(6 * ring) * 2 * np.pi / (6 * ring)
         rings.append(ring * MARK_PT * 1.05 * np.column_stack([np.cos(turn), np.sin(turn)]))
     tried = np.concatenate(rings)
-    marks: list[Floats] = []
+    marks: list[Floats] = list(taken_m * scale)
     for place_pt in places_m * scale:
         free = [o for o in tried if all(np.hypot(*(place_pt + o - mark)) >= MARK_PT for mark in marks)]
         marks.append(place_pt + (free[0] if free else 0.0))
-    return np.array(marks).reshape(-1, 2) - places_m * scale
+    return np.array(marks[len(taken_m) :]).reshape(-1, 2) - places_m * scale
 
 
-def _draw_marks(ax: Axes, plan: Plan, colours: list[str]) -> None:
-    """Draw a numbered mark where each loop starts; marks in one place are spread."""
-    places_m = np.array([trajectory.positions_m[trajectory.loop_index, :2] for trajectory in plan]).reshape(-1, 2)
-    for k, (place_m, offset_pt) in enumerate(zip(places_m, _spread(places_m, points_per_metre(ax)), strict=True)):
-        circle = {"boxstyle": f"circle,pad={0.18 if k < 9 else 0.08}", "facecolor": colours[k], "edgecolor": "white"}
+def _marks_of(plan: Plan, routes: tuple[Route, ...]) -> list[tuple[str, Floats, str]]:
+    """The text, the place (2,) in metres and the colour of each mark: where loops start or robots take turns."""
+    colours = robot_colours(plan)
+    marks = [
+        (str(k + 1), trajectory.positions_m[trajectory.loop_index, :2], colours[k])
+        for k, trajectory in enumerate(plan)
+        if not trajectory.charges
+    ]
+    for k, route in enumerate(routes):
+        if route.letter is not None:
+            marks += [(route.letter, place_m, route_style(k)[0]) for place_m in route.starts_m]
+    return marks
+
+
+def _draw_marks(ax: Axes, marks: list[tuple[str, Floats, str]], taken_m: Floats) -> None:
+    """Draw a mark where each loop starts; marks in one place are spread, and keep off places (k, 2) that are taken."""
+    places_m = np.array([place_m for _, place_m, _ in marks]).reshape(-1, 2)
+    for (text, place_m, colour), offset_pt in zip(marks, _spread(places_m, points_per_metre(ax), taken_m), strict=True):
+        circle = {
+            "boxstyle": f"circle,pad={0.18 if len(text) == 1 else 0.08}",
+            "facecolor": colour,
+            "edgecolor": "white",
+        }
         ax.annotate(
-            str(k + 1),
+            text,
             (float(place_m[0]), float(place_m[1])),
             xytext=tuple(offset_pt),
             textcoords="offset points",
@@ -113,26 +139,27 @@ def _draw_marks(ax: Axes, plan: Plan, colours: list[str]) -> None:
             fontweight="bold",
             ha="center",
             va="center",
-            color=ink_on(colours[k]),
+            color=ink_on(colour),
             bbox=circle | {"linewidth": 0.8},
-            arrowprops={"arrowstyle": "-", "color": colours[k], "linewidth": 0.8} if offset_pt.any() else None,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.8} if offset_pt.any() else None,
             zorder=7,
         )
 
 
 def robot_colours(plan: Plan) -> list[str]:
-    """The colour of each robot, in the order of the plan: that of its route."""
+    """The colour of each robot, in the order of the plan: that of its route, or of the first that it takes turns at."""
     colours = [""] * len(plan.trajectories)
     for k, route in enumerate(routes_of(plan)):
         for robot in route.robots:
-            colours[robot] = route_style(k)[0]
-    return colours
+            colours[robot] = colours[robot] or route_style(k)[0]
+    return [colour or DOCKED for colour in colours]
 
 
 def draw_route_lines(plan: Plan, ax: Axes) -> None:
     """Every loop of ``plan`` as a labelled line with arrowheads; a numbered mark where each robot's loop starts.
 
-    Robots on the same loop share its line. The way to the loop is dashed, from a small square. ``ax`` has its limits
+    Robots on the same loop share its line. The way to the loop is dashed, from a small square. Loops that robots take
+    turns at have letters where these come to them, and the ways from chargers are dashed. ``ax`` has its limits
     and an equal aspect.
     """
     scale = points_per_metre(ax)
@@ -140,7 +167,6 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
     width_pt = _line_width_pt(plan, routes, scale)
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     spacing_m = 0.16 * float(np.hypot(right - left, top - bottom)) * (1 + len(routes) / 24)
-    colours = [""] * len(plan.trajectories)
     for k, route in enumerate(routes):
         colour, style = route_style(k)
         line = Line2D(*route.loop_m.T, color=colour, linestyle=style, linewidth=width_pt, zorder=4)
@@ -151,14 +177,18 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
         ax.add_line(line)
         _draw_heads(ax, route, colour, int(np.clip(route.length_m / spacing_m, 3, 30)), 72 * ARROW_IN / scale)
         for robot in route.robots:
-            colours[robot] = colour
             _draw_approach(ax, plan, robot, colour)
-    _draw_marks(ax, plan, colours)
+    chargers_m = np.array([charger.at for charger in plan.mission.chargers]).reshape(-1, 2)
+    if recharges(plan):
+        for way_m in service_in(plan).ways_m:
+            ax.plot(*way_m.T, color=WAY, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
+        draw_chargers(plan.mission, ax)
+    _draw_marks(ax, _marks_of(plan, routes), chargers_m)
 
 
 def brief_label(route: Route) -> str:
     """A loop's line in a narrow legend: numbers of its robots as on their marks, whole metres, and seconds."""
-    return f"{_numbers(route.robots)}: " + (
+    return f"{route.letter or _numbers(route.robots)}: " + (
         f"{route.length_m:,.0f} m, {round_off(route.duration_s)} s" if route.duration_s else "stays"
     )
 
@@ -178,7 +208,12 @@ def route_legend(plan: Plan, *, brief: bool = False) -> list[Line2D]:
         entries.append(line)
     if len(routes) > LISTED_ROUTES:
         entries.append(Line2D([], [], linestyle="none", label=f"… and {len(routes) - LISTED_ROUTES} more loops"))
-    if any(trajectory.loop_index for trajectory in plan):
-        way = Line2D([], [], color="#333333", linewidth=0.8, linestyle=APPROACH, label="way from the start")
+    if any(trajectory.loop_index and not trajectory.charges for trajectory in plan):
+        way = Line2D([], [], color=WAY, linewidth=0.8, linestyle=APPROACH, label="way from the start")
         entries.append(way)
+    if recharges(plan):
+        entries.append(
+            Line2D([], [], color=WAY, linewidth=0.8, linestyle=APPROACH, label="way from a charger and back")
+        )
+        entries.append(charger_entry())
     return entries

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.plan import Plan, Trajectory
+from rota.routes.flights import flights_of, recharges
+from rota.routes.served_loops import Service, corners, same_ring, service_of
 
 Floats = NDArray[np.float64]
 
@@ -19,13 +22,15 @@ class Route:
     """A closed loop, drawn once, and the robots on it. ``robots``: indices into the plan's trajectories, increasing.
 
     loop_m: (n, 2) metres, the first point again at the end; one point for robots that stay where they are. starts_m:
-    (robots, 2), where each of them begins its loop.
+    (robots, 2), where each of them begins its loop. letter: what a loop is called that robots which charge take turns
+    at; they come to it at starts_m, (k, 2). None: it is called by its robots.
     """
 
     robots: tuple[int, ...]
     loop_m: Floats
     starts_m: Floats
     duration_s: float
+    letter: str | None = None
 
     @property
     def length_m(self) -> float:
@@ -43,44 +48,22 @@ def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats
     return times_s[(times_s > from_s) & (times_s < to_s)]
 
 
-def corners(loop_m: Floats) -> Floats:
-    """The corners (n, 2) of a closed polyline (first point again at the end), without waits and points on a leg."""
-    ring: Floats = loop_m[:-1]
-    steps = np.roll(ring, -1, axis=0) - ring
-    ring = ring[np.hypot(*steps.T) > SAME_PLACE_M]
-    if len(ring) < 3:
-        return ring
-    ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
-    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-    straight = (np.abs(cross) <= SAME_PLACE_M * np.hypot(*ahead.T)) & ((behind * ahead).sum(axis=1) > 0)
-    kept: Floats = ring[~straight]
-    return kept
-
-
-def _same_ring(one: Floats, other: Floats) -> bool:
-    """Whether two rings of corners are equal up to the corner they begin with."""
-    if len(one) != len(other) or not len(one):
-        return False
-    for shift in np.flatnonzero(np.abs(other - one[0]).max(axis=1) < SAME_PLACE_M):
-        if np.abs(np.roll(other, -int(shift), axis=0) - one).max() < SAME_PLACE_M:
-            return True
-    return False
-
-
 def routes_of(plan: Plan) -> tuple[Route, ...]:
     """The plan's loops, each once, in the order of their first robots.
 
     Robots share a loop when their polylines are the same closed curve run the same way in the same time, wherever on it
-    each begins. Robots that stay are never merged.
+    each begins. Robots that stay are never merged. Of robots that charge it is the loops that they take turns at.
     """
-    routes: list[Route] = []
-    rings: list[Floats] = []
+    routes = list(_loops_in_turns(plan))
+    rings: list[Floats] = [np.empty((0, 2))] * len(routes)
     for index, trajectory in enumerate(plan):
+        if trajectory.charges:
+            continue
         loop_m = trajectory.positions_m[trajectory.loop_index :, :2]
         ring = corners(loop_m) if trajectory.loop_duration_s > 0 else loop_m[:0]
         duration_s = trajectory.loop_duration_s
         for k, route in enumerate(routes):
-            if abs(route.duration_s - duration_s) <= 1e-6 * duration_s and _same_ring(rings[k], ring):
+            if abs(route.duration_s - duration_s) <= 1e-6 * duration_s and same_ring(rings[k], ring):
                 starts_m = np.concatenate([route.starts_m, loop_m[:1]])
                 routes[k] = replace(route, robots=(*route.robots, index), starts_m=starts_m)
                 break
@@ -88,6 +71,32 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
             routes.append(Route(robots=(index,), loop_m=loop_m, starts_m=loop_m[:1], duration_s=duration_s))
             rings.append(ring)
     return tuple(routes)
+
+
+def service_in(plan: Plan) -> Service:
+    """What the flights of the robots that charge serve: those of ``flights_of``, robot by robot."""
+    return service_of([flight for one in plan if one.charges for flight in flights_of(one)])
+
+
+def loop_letter(number: int) -> str:
+    """What the loop of a number from 0 on is called: A to Z, then AA and so on."""
+    head, last = divmod(number, 26)
+    return (loop_letter(head - 1) if head else "") + chr(ord("A") + last)
+
+
+def _loops_in_turns(plan: Plan) -> Iterator[Route]:
+    """The loops that robots which charge take turns at."""
+    if not recharges(plan):
+        return
+    number_of = {trajectory.robot: number for number, trajectory in enumerate(plan)}
+    for number, loop in enumerate(service_in(plan).loops):
+        yield Route(
+            robots=tuple(sorted(number_of[name] for name in loop.robots)),
+            loop_m=loop.line_m,
+            starts_m=loop.handovers_m,
+            duration_s=loop.round_s,
+            letter=loop_letter(number),
+        )
 
 
 def arrowheads(loop_m: Floats, count: int, clear_m: float) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""A plan's picture: two maps of the same ground side by side or one below the other, a legend under each."""
+"""A plan's picture: two maps of the same ground side by side or one below the other, a legend under each; a chart."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DPI = 160
 
 # inches
 MARGIN, GAP, HEADER, PANEL_TITLE, AXIS = 0.12, 0.35, 0.55, 0.24, 0.42
-Y_AXIS, WIDEST_SCALE = 0.55, 4.9
+Y_AXIS, WIDEST_SCALE, CHART_GAP = 0.55, 4.9, 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +34,17 @@ class Half:
     legend: Sequence[Artist] = field(default=())
     scale_in: float = 0.0
     scale: Callable[[Figure, float, float, float], None] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chart:
+    """What stands below the maps, as wide as both: so many inches high, with room for its labels on the left."""
+
+    title: str
+    height_in: float
+    labels_in: float
+    draw: Callable[[Axes], None]
+    legend: Sequence[Artist] = field(default=())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +69,30 @@ def _layout(mission: Mission) -> _Layout:
     return _Layout(map_width=height / slope, map_height=height, column=max(height / slope, 3.4), stacked=False)
 
 
-def two_maps(mission: Mission, header: str, left: Half, right: Half) -> Figure:
-    """The picture as a matplotlib figure under the mission's name and a header; the right map below a wide left one."""
+def _chart_height(chart: Chart, width: float) -> float:
+    """Inches that a chart takes with its title, axis and legend, in a figure so wide."""
+    return PANEL_TITLE + chart.height_in + AXIS + legend_height(chart.legend, _chart_width(chart, width)) + CHART_GAP
+
+
+def _chart_width(chart: Chart, width: float) -> float:
+    return width - 2 * MARGIN - chart.labels_in
+
+
+def _place_chart(fig: Figure, chart: Chart) -> None:
+    """Draw the chart at the lower end of a figure that has room for it."""
+    width = _chart_width(chart, fig.get_figwidth())
+    x, y = MARGIN + chart.labels_in, MARGIN + legend_height(chart.legend, width) + AXIS
+    ax = axes_at(fig, x, y, width, chart.height_in)
+    chart.draw(ax)
+    ax.set_title(chart.title, fontsize=9, loc="left", pad=4)
+    place_legend(fig, chart.legend, x, y - AXIS, width)
+
+
+def two_maps(mission: Mission, header: str, left: Half, right: Half, chart: Chart | None = None) -> Figure:
+    """The picture as a matplotlib figure under the mission's name and a header; the right map below a wide left one.
+
+    chart: what stands below both.
+    """
     layout = _layout(mission)
     below = [AXIS + half.scale_in + legend_height(half.legend, layout.column) for half in (left, right)]
     block = PANEL_TITLE + layout.map_height
@@ -69,6 +102,7 @@ def two_maps(mission: Mission, header: str, left: Half, right: Half) -> Figure:
     else:
         height = HEADER + block + max(below) + 2 * MARGIN
         width = 2 * (Y_AXIS + layout.column) + GAP + 2 * MARGIN
+    height += _chart_height(chart, width) if chart is not None else 0.0
     fig = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
     FigureCanvasAgg(fig)
     x, top = MARGIN + Y_AXIS, height - MARGIN
@@ -86,4 +120,6 @@ def two_maps(mission: Mission, header: str, left: Half, right: Half) -> Figure:
             y -= below[0] + block
         else:
             x += layout.column + GAP + Y_AXIS
+    if chart is not None:
+        _place_chart(fig, chart)
     return fig

@@ -96,6 +96,7 @@ def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = (), *
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     frame_box = box(left, bottom, right, top)
     marks = [Point(start_m).buffer(MARK_RADIUS_PT / scale) for route in routes for start_m in route.starts_m]
+    marks += [Point(charger.at).buffer(MARK_RADIUS_PT / scale) for charger in mission.chargers]
     obstacles = shapely.union_all([obstacle.shape for obstacle in mission.obstacles])
     parts = [max(_parts(zone, mission), key=lambda part: part.area) for zone in mission.zones]
     taken: list[Polygon] = []

@@ -1,0 +1,50 @@
+"""The chargers on a map: a mark with a bolt, and the name beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+
+from rota.draw.mission_picture import FONT_PT, plain
+from rota.draw.palette import CHARGER, CHARGER_INK
+from rota.model.mission import Mission
+
+SIDE_PT, BOLT_PT, BESIDE_PT = 9.5, 7.0, 7.5
+# a bolt from its upper end on, within -1 .. 1
+BOLT = Path(np.array([(0.25, 1), (-0.65, -0.15), (-0.05, -0.15), (-0.25, -1), (0.65, 0.2), (0.05, 0.2), (0.25, 1)]))
+
+
+def draw_chargers(mission: Mission, ax: Axes, *, named: bool = True) -> None:
+    """A mark at each charger on ``ax``, whose limits are set, and its name on the side where there is more room."""
+    left, right = ax.get_xlim()
+    for charger in mission.chargers:
+        x, y = charger.at
+        for marker, size_pt, face in (("s", SIDE_PT, CHARGER), (BOLT, BOLT_PT, CHARGER_INK)):
+            ax.plot(
+                [x], [y], linestyle="", marker=marker, markersize=size_pt, markerfacecolor=face,
+                markeredgecolor=CHARGER_INK, markeredgewidth=0.9 if face == CHARGER else 0.0, zorder=6.5,
+            )  # fmt: skip
+        if not named:
+            continue
+        on_left = x > left + 0.75 * (right - left)
+        label = ax.annotate(
+            plain(charger.name, 28),
+            (x, y),
+            xytext=(-BESIDE_PT if on_left else BESIDE_PT, 0.0),
+            textcoords="offset points",
+            fontsize=FONT_PT,
+            ha="right" if on_left else "left",
+            va="center",
+            color=CHARGER_INK,
+            zorder=6.4,
+        )
+        label.set_path_effects([withStroke(linewidth=2.4, foreground="white")])
+
+
+def charger_entry() -> Line2D:
+    """Its line in a legend."""
+    return Line2D([], [], linestyle="", marker="s", markersize=6.5, markerfacecolor=CHARGER, label="charger",
+                  markeredgecolor=CHARGER_INK, markeredgewidth=0.9)  # fmt: skip
