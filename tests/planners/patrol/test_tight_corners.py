@@ -49,7 +49,6 @@ def area_within(radius: float, side: float) -> float:
         (of(area=Polygon([(0, 0), (2000, 0), (1000, 1000 * math.sqrt(3))]), turn_radius_m=0.99 * 25 / SHARP), True),
         (of(area=Polygon([(0, 0), (2000, 0), (1000, 1000 * math.sqrt(3))]), turn_radius_m=1.07 * 25 / SHARP), False),
         (of(replace(FIELD, period_s=1.0)), True),  # robots stand
-        (of(area=box(0, 0, 800, 100)), True),  # no disc fits: another error's business
         (of(replace(FIELD, zones=(Zone(name="middle", shape=box(300, 200, 500, 400), period_s=600.0),), period_s=None)),
          True),
         (of(replace(FIELD, obstacles=tuple(Obstacle(shape=box(x, y, x + 80, y + 80))
@@ -63,3 +62,17 @@ def test_what_is_in_reach(mission: Mission, in_reach: bool) -> None:
         return
     with pytest.raises(NoPlanFound, match="no loop comes near"):
         require_corners_in_reach(mission)
+
+
+@pytest.mark.parametrize(("body_m", "needed"), [(0.0, "75 m, and 70.0 m"), (10.0, "85 m, and 70.0 m")])
+def test_a_strip_in_which_nobody_can_come_back_is_refused_at_once(body_m: float, needed: str) -> None:
+    strip = of(area=box(0, 0, 800, 140), body_radius_m=body_m)
+    with pytest.raises(NoPlanFound, match=f"it takes a radius of {needed} is the most that fits"):
+        require_corners_in_reach(strip)
+
+
+@pytest.mark.parametrize("area", [box(0, 0, 800, 149.5), box(0, 0, 30, 30)])
+def test_a_strip_as_wide_as_a_circle_but_for_rounding_and_what_one_who_stays_sees_are_not_refused(
+    area: Polygon,
+) -> None:
+    require_corners_in_reach(of(area=area))

@@ -22,6 +22,8 @@ LEAST_SHARE = 1e-5  # of the sensor's disc: less ground is rounding
 def require_corners_in_reach(mission: Mission) -> None:
     """NoPlanFound, with the place and what helps, where loops of arcs leave ground in corners out of reach.
 
+    Also where there are no loops, and one robot that stays does not see all.
+
     A path of no tighter arcs that stays in convex ground stays in the union of the discs of that radius within it: to
     cut into a corner beyond the disc that touches both its sides it would have to turn more tightly. Nobody is nearer
     than that to ground in corners of the area's convex hull. Robots that have hardly any time to move stand, and may
@@ -38,14 +40,29 @@ def require_corners_in_reach(mission: Mission) -> None:
         return
     hull, body_m = mission.area.convex_hull, min(robot.body_radius_m for robot in robots)
     middles = shapely.buffer(hull, -(radius_m + body_m))
+    asked = shapely.union_all([region.shape for region in regions])
     if middles.is_empty:
-        return  # no disc fits in: whatever moves there has no loop at all
+        # around a loop of such arcs there is room for a disc: its convex hull is bounded by arcs no tighter
+        has_room = not shapely.buffer(hull, -(radius_m * (1 - TO_SPARE) + body_m)).is_empty
+        if shapely.minimum_bounding_radius(asked) > reach_m and not has_room:
+            raise NoPlanFound(_no_room_sentence(hull, radius_m=radius_m, body_m=body_m))
+        return  # who stays may see all
     driven_m = radius_m * (1 + TO_SPARE) / math.cos(math.pi / 4 / ARC_STEPS)
     near = shapely.buffer(middles, driven_m + reach_m, quad_segs=ARC_STEPS)
-    asked = shapely.union_all([region.shape for region in regions])
     left = polygons_of(shapely.difference(asked, near), LEAST_SHARE * math.pi * reach_m**2)
     if not left.is_empty:
         raise NoPlanFound(_sentence(left, asked, middles, radius_m=radius_m, reach_m=reach_m))
+
+
+def _no_room_sentence(hull: BaseGeometry, *, radius_m: float, body_m: float) -> str:
+    """That no loop fits in, and what helps."""
+    widest_m, needed_m = shapely.maximum_inscribed_circle(hull).length, radius_m + body_m
+    body = f" and a body_radius_m of {body_m:g}" if body_m > 0 else ""
+    return (
+        f"no circle that robots can drive fits into the area: with a turn_radius_m of {radius_m:g}{body} it takes a"
+        f" radius of {needed_m:g} m, and {widest_m:.1f} m is the most that fits; so no robot can come back to where it"
+        " was: give a smaller radius or a wider area"
+    )
 
 
 def _sentence(
