@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from rota.check.margin_report import Margin
 from rota.check.report import DemandVerdict, Report, Violation, report_to_json
 from rota.check.report_schema import report_schema
 from rota.check.report_table import met_text, report_table
@@ -16,12 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DemandVerdict",
+    "Margin",
     "Report",
     "Violation",
     "check_plan",
     "compiled_packages",
     "get_ready",
     "load",
+    "margins_of",
     "met_text",
     "report_schema",
     "report_table",
@@ -62,6 +65,17 @@ def compiled_packages(mission: Mission) -> tuple[str, ...]:
     """
     every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
     return ("check",) if every_point or mission.period_s is not None or mission.planning.makes_runs else ()
+
+
+def margins_of(plan: Plan, report: Report) -> tuple[Margin, ...]:
+    """The thinnest reserve of each kind of a plan that its report says is met, the thinnest first; of others none.
+
+    How much of a period is left is proved, by the report. Where, and by how much less far robots may see, is what was
+    found at some 2,000 places.
+    """
+    from rota.check.margins import margins_of as margins
+
+    return margins(plan, report)
 
 
 def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rota.check.holding import Holding
 from rota.check.late_report import Lateness, lateness_to_json
+from rota.check.margin_report import Margin, margin_to_json
 from rota.model.plan import RunEnd
 from rota.model.violation_kinds import ViolationKind
 
@@ -106,7 +107,7 @@ class Report:
     that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim.
     ``cells_entered``: of a plan that is to cover its floor, how many cells robots enter and how many there are.
     ``not_judged``: what the plan says and the check leaves open, in words. ``lateness``: since the plan took over from
-    another one; None where it does not.
+    another one; None where it does not. ``margins``: the thinnest reserves, where ``margins_of`` has been asked.
     """
 
     verdict: Outcome
@@ -126,6 +127,7 @@ class Report:
     cells_entered: tuple[int, int] | None = None
     not_judged: tuple[str, ...] = ()
     lateness: Lateness | None = None
+    margins: tuple[Margin, ...] = ()
 
     @property
     def worst_ratio(self) -> float:
@@ -186,6 +188,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "run_end": None if end is None else _run_end_to_json(end),
         "holding": None if report.holding is None else _holding_to_json(report.holding),
         "lateness": None if report.lateness is None else lateness_to_json(report.lateness),
+        "margins": [margin_to_json(margin) for margin in report.margins],
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, get_args
 
 from rota.check.late_report import lateness_properties
+from rota.check.margin_report import margin_properties
 from rota.check.report import LISTED_POINTS
 from rota.model.plan import EndReason
 from rota.model.violation_kinds import ViolationKind
@@ -63,6 +64,11 @@ def report_schema() -> dict[str, Any]:
         lateness={
             "description": "where it takes over from another plan, how late places are since; null: it does not",
             "oneOf": [{"type": "null"}, _lateness_schema()],
+        },
+        margins={
+            "type": "array",
+            "items": _object(**margin_properties()),
+            "description": "of a plan that is met, the thinnest reserve of each kind, the thinnest first",
         },
         clock_margin_s={**ratio, "description": "by how much clocks may differ; null: by anything, or not judged"},
         worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},

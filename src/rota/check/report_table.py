@@ -25,6 +25,7 @@ def report_table(report: Report) -> str:
     if report.clock_margin_s is not None:
         lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []
+    lines += [margin.text() for margin in report.margins]
     lines += [f"not judged: {open_claim}" for open_claim in report.not_judged]
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -175,7 +176,7 @@ def check(
     ] = None,
 ) -> None:
     """Check a plan: exit code 0 when all is met, 1 when not."""
-    from rota.check import check_plan
+    from rota.check import check_plan, margins_of
     from rota.command.executed import AsPlanned
     from rota.command.flown import fly_by, worst_flight
 
@@ -198,6 +199,7 @@ def check(
     with saying_when_interrupted("the plan is not checked to the end"):
         reports = OwnThread(lambda: [check_plan(each.plan) for each in flights or (made,)]).do_work()
     made, report = worst_flight(flights, reports) if flights else (made, reports[0])
+    report = replace(report, margins=margins_of(made.plan, report))
     typer.echo(json.dumps(made.to_json(report), indent=1) if as_json else made.text(report))
     for remark in made.remarks(answer, report):
         say(remark)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -161,6 +162,8 @@ def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
         console.print("Check: not checked to the end.")
     elif report.verdict == "met":
         console.print(f"Check: {met_text(report)}")
+        for sentence in _reserves(answer.plan, report):
+            console.print(sentence, markup=False, soft_wrap=True)
         told = without_mass(answer.plan) if report.demands else None
         if told is not None:
             console.print(f"The plan is {told}.", markup=False, soft_wrap=True)
@@ -169,3 +172,16 @@ def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
         console.print(report_table(report), markup=False, soft_wrap=True)
     if target != STANDARD_STREAM:
         console.print(f"Plan: {target}", markup=False, soft_wrap=True)
+
+
+def _reserves(plan: Plan, report: Report) -> list[str]:
+    """What a plan that is met has to spare, and what one robot more or less brings."""
+    from rota.check import margins_of
+    from rota.planning.one_robot_more import one_robot_sentence
+
+    report = replace(report, margins=margins_of(plan, report))
+    if not report.margins:
+        return []
+    reserves = [margin.text() for margin in report.margins]
+    one_robot = one_robot_sentence(plan, report)
+    return [*(f"L{reserve[1:]}." for reserve in reserves), *([one_robot] if one_robot else [])]

@@ -48,7 +48,7 @@ def rehearse(
     as_json: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
     cluster: ClusterAddress = None,
 ) -> None:
-    """Rehearse a plan: how much of what it asks stays in time when robots fail or are late."""
+    """Rehearse a plan with robots that fail or are late."""
     from rota.files.atomic_write import require_suffix
     from rota.rehearsal import draw_rehearsal, rehearsal_table, rehearsal_to_json, rehearse as rehearse_plan
 
