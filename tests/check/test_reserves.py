@@ -11,8 +11,9 @@ from shapely import box
 
 from rota.check import check_plan, margins_of, report_schema, report_table, report_to_json
 from rota.check.margins import worst_ratio_of
-from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
-from rota.model.plan import Plan, Trajectory
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
+from rota.model.plan import Charge, Plan, Trajectory
 
 LENGTH_M, WIDTH_M, ROUND_S = 40.0, 6.0, 20.0
 
@@ -98,3 +99,22 @@ def test_the_ratio_at_places_is_never_above_the_proved_one() -> None:
     report = check_plan(plan)
     assert report.worst_ratio_at_least * 0.99 < worst_ratio_of(plan) <= report.worst_ratio
     assert np.isfinite(worst_ratio_of(plan))
+
+
+def test_the_battery_with_least_above_its_reserve_is_told() -> None:
+    """Out 40 m and back with 100 s, of which 10 s are the reserve: 10 s are left when it comes home."""
+    battery = BatteryLimits(endurance_s=100, recharge_s=50, reserve_s=10)
+    plan = lane()
+    fleet = replace(plan.mission.fleet, battery=battery, robots=None, speed_m_s=1.0, sensor=SquareSensor(side_m=90.0))
+    pad = Charger(name="pad", at=(0, WIDTH_M / 2), places=1)
+    mission = replace(plan.mission, fleet=fleet, chargers=(pad,), period_s=200.0)
+    home, far = (0.0, WIDTH_M / 2), (LENGTH_M, WIDTH_M / 2)
+    way = Trajectory(
+        robot="a", times_s=[0, 60, 100, 140], positions_m=[home, home, far, home],
+        charges=(Charge(charger="pad", from_s=0, until_s=60),),
+    )  # fmt: skip
+    charged = Plan(mission=mission, trajectories=(way,))
+    margins = {margin.kind: margin for margin in margins_of(charged, check_plan(charged))}
+    assert (margins["battery"].who, margins["battery"].place_m) == ("a", home)
+    assert margins["battery"].spare == pytest.approx(10.0)
+    assert margins["battery"].text() == "least battery to spare: 10 of 100 s (10 %), of a at (0.00, 3.00)"

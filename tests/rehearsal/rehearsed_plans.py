@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from shapely import MultiPolygon, Polygon, box
 
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
-from rota.model.plan import Plan, Trajectory
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
+from rota.model.plan import Charge, Plan, Trajectory
 
 RING = np.array([[2.0, 2.0], [18.0, 2.0], [18.0, 18.0], [2.0, 18.0], [2.0, 2.0]])
 
@@ -57,6 +58,25 @@ def with_mass() -> Plan:
         accelerations_m_s2=[0, 0.75, -0.75, 0.75, -0.75],
     )
     return Plan(mission=mission, trajectories=(way,))
+
+
+def taking_turns(body_m: float = 0.5) -> Plan:
+    """Two robots that take turns on a road of 30 m, and charge at its end for 60 s of 120."""
+    battery = BatteryLimits(endurance_s=100.0, recharge_s=80.0)
+    sensor = DiscSensor(radius_m=8.0)
+    fleet = Fleet(speed_m_s=1.0, sensor=sensor, body_radius_m=body_m, battery=battery)
+    pad = Charger(name="pad", at=(2, 2), places=2)
+    mission = Mission(name="road", area=box(0, 0, 36, 4), period_s=70.0, fleet=fleet, chargers=(pad,))
+    home, far = [2.0, 2.0], [32.0, 2.0]
+    first = Trajectory(
+        robot="a", times_s=[0, 30, 60, 120], positions_m=[home, far, home, home],
+        charges=(Charge(charger="pad", from_s=60, until_s=120),),
+    )  # fmt: skip
+    second = Trajectory(
+        robot="b", times_s=[0, 60, 90, 120], positions_m=[home, home, far, home],
+        charges=(Charge(charger="pad", from_s=0, until_s=60),),
+    )  # fmt: skip
+    return Plan(mission=mission, trajectories=(first, second))
 
 
 def crossing(body_m: float = 0.5, late_s: float = 5.0) -> Plan:

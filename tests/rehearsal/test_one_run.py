@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.rehearsal.rehearsed_plans import crossing, post, round_a_block, with_mass
+from tests.rehearsal.rehearsed_plans import crossing, post, round_a_block, taking_turns, with_mass
 
-from rota import Plan, check_plan, worst_gaps_s
+from rota import Plan, Trajectory, check_plan, worst_gaps_s
 from rota.live.keeping import LATE_S
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import contacts_of
@@ -25,8 +26,9 @@ HOUR_S = 3600.0
     [
         round_a_block(), round_a_block((64.0, 96.0)), round_a_block((64.0,)), round_a_block((70.0, 70.0, 105.0)),
         round_a_block(square=True), with_mass(), post(), crossing(),
+        taking_turns(),
     ],
-    ids=["shared", "2 to 3", "alone", "three", "squares", "mass", "stays", "crossing"],
+    ids=["shared", "2 to 3", "alone", "three", "squares", "mass", "stays", "crossing", "charging"],
 )  # fmt: skip
 def test_without_chance_gaps_are_those_of_the_check(plan: Plan) -> None:
     scene = scene_of(plan, Conditions(hours=0.5))
@@ -159,3 +161,30 @@ def test_a_robot_that_failed_on_the_crossing_is_driven_into() -> None:
         elif driven.fails_s.min() > scene.end_s:
             assert found == []
     assert hit > 5
+
+
+def test_a_charge_takes_as_long_as_planned_and_is_in_nobodys_way() -> None:
+    """A robot that comes home late by 30 m against wind of 0.3 m/s leaves so much later: 30 / 0.7 - 30 s."""
+    plan = taking_turns()
+    least_s = least_times_s(plan, Wind(speed_m_s=0.3, from_deg=90.0), 1.0, 120)
+    assert least_s.sum(axis=1) == pytest.approx(np.full(2, 30 / 0.7 + 30 + 60))
+    scene = scene_of(plan, Conditions(hours=1.0))
+    assert len(scene.pairs) == 1
+    assert contacts_of(plan, scene.pairs, drive(scene, 0, 0)) == []
+
+
+def test_bodies_that_speed_up_and_brake_touch_where_they_do() -> None:
+    """One goes 16 m from rest to rest in 8 s, the other stands beside its way: they touch when it is there."""
+    way = with_mass().trajectories[0]
+    mission = replace(with_mass().mission, fleet=replace(with_mass().mission.fleet, body_radius_m=0.25))
+    other = Trajectory(robot="robot-2", times_s=[0], positions_m=[[9.5, 2.4]])
+    plan = Plan(mission=replace(mission, fleet=replace(mission.fleet, robots=2)), trajectories=(way, other))
+    scene = scene_of(plan, Conditions(hours=0.1))
+    (contact,) = contacts_of(plan, scene.pairs, drive(scene, 0, 0))
+    # within 0.3 m of x = 9.5 on the way out from (8, 2) at 5 + 4 s, at 3 m/s and braking by 0.75 m/s2
+    times_s = np.arange(9.0, 11.0, 1e-5)
+    near = np.hypot(*(way.at(times_s) - (9.5, 2.4)).T) < 0.5
+    assert times_s[near][0] - 1e-4 <= contact.time_s <= times_s[near][-1] + 1e-4
+    assert contact.place_m[1] == pytest.approx(2.2)
+    just_off = replace(plan, trajectories=(way, replace(other, positions_m=[[9.5, 2.5]])))
+    assert contacts_of(just_off, scene.pairs, drive(scene_of(just_off, Conditions(hours=0.1)), 0, 0)) == []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-Kind = Literal["period", "range"]
+Kind = Literal["period", "range", "battery"]
 NAMED = 3  # robots
 
 TEXT, SIZE = {"type": "string"}, {"type": "number", "minimum": 0}
@@ -17,7 +17,8 @@ TEXT, SIZE = {"type": "string"}, {"type": "number", "minimum": 0}
 class Margin:
     """The thinnest reserve of one kind: ``spare`` of ``limit``, both in ``unit``, of the demand ``who`` at place_m.
 
-    kind: "period", what is left of it when the place is seen again; "range", by how much less far all robots may see.
+    kind: "period", what is left of it when the place is seen again; "range", by how much less far all robots may see;
+    "battery", what is left above its reserve of the robot ``who``, of a full one, when there is least.
     robots: those that see the place. places: at how many the reserve was looked for; None where it is proved for all.
     place_m: None for a zone to visit, and where all is always in sight.
     """
@@ -38,14 +39,15 @@ class Margin:
 
     def text(self) -> str:
         """The reserve in words."""
-        what = "time" if self.kind == "period" else "range"
+        what = "time" if self.kind == "period" else self.kind
+        within = "of" if self.kind == "battery" else "in"
         percent = 100 * self.share
         share = f"{math.floor(10 * percent) / 10:g} %" if percent >= 0.1 else f"{percent:.1g} %"
         spare = f"{math.floor(1e3 * self.spare) / 1e3:g} of {self.limit:g} {self.unit} ({share})"
         where = "" if self.place_m is None else f" at ({self.place_m[0]:.2f}, {self.place_m[1]:.2f})"
         seen = f", seen by {names_text(self.robots)}" if self.robots else ""
         looked = "" if self.places is None else f"; of {self.places} places"
-        return f"least {what} to spare: {spare}, in {self.who}{where}{seen}{looked}"
+        return f"least {what} to spare: {spare}, {within} {self.who}{where}{seen}{looked}"
 
 
 def names_text(names: Sequence[str]) -> str:
@@ -59,7 +61,7 @@ def margin_to_json(margin: Margin) -> dict[str, Any]:
     """A reserve as JSON values, by ``margin_properties``."""
     return {
         "kind": margin.kind,
-        "demand": margin.who,
+        "who": margin.who,
         "robots": list(margin.robots),
         "spare": margin.spare,
         "limit": margin.limit,
@@ -75,7 +77,7 @@ def margin_properties() -> dict[str, Any]:
     """The JSON Schema of each value of a reserve."""
     return {
         "kind": {"enum": list(get_args(Kind))},
-        "demand": TEXT,
+        "who": {**TEXT, "description": "the demand, or of a battery the robot"},
         "robots": {"type": "array", "items": TEXT, "description": "those that see the place"},
         "spare": {**SIZE, "description": "in unit"},
         "limit": SIZE,

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import contains_xy, get_coordinates
 
+from rota.check.charging import battery_levels, undocked_routes
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.margin_report import Margin
+from rota.check.pieces import point_pieces
 from rota.check.presence import seeing_routes
 from rota.check.report import Report
-from rota.check.revisits import loop_gap, piece_gaps, point_pieces, sights_along
+from rota.check.revisits import loop_gap, piece_gaps, sights_along
 from rota.check.routes import Routes, routes_of, sensors_of
 from rota.check.tolerances import PERIOD_TOLERANCE, slack_of
 from rota.model.plan import Plan
@@ -52,7 +54,36 @@ def margins_of(plan: Plan, report: Report) -> tuple[Margin, ...]:
     ]
     if len(looked.points_m):
         margins.append(looked.range_margin())
+    margins += _battery_margin(plan)
     return tuple(sorted(margins, key=lambda margin: margin.spare / margin.limit))
+
+
+def _battery_margin(plan: Plan) -> list[Margin]:
+    """The robot whose battery comes nearest to its reserve, and where; none where batteries never run low.
+
+    Levels are told for ever by two rounds of a plan that is met.
+    """
+    chargers, found = {charger.name: charger for charger in plan.mission.chargers}, []
+    for way in plan:
+        robot = plan.mission.fleet.robot(way.robot)
+        if robot.battery.endurance_s is None:
+            continue
+        levels = battery_levels(way, robot, chargers)
+        least = int(levels.levels_s.argmin())
+        x, y = way.at(levels.times_s[least])[:2]
+        found.append(
+            Margin(
+                kind="battery",
+                who=way.robot,
+                robots=(),
+                spare=max(0.0, float(levels.levels_s[least]) - robot.battery.reserve_s),
+                limit=robot.battery.endurance_s,
+                unit="s",
+                place_m=(float(x), float(y)),
+                places=None,
+            )
+        )
+    return [min(found, key=lambda margin: margin.share)] if found else []
 
 
 def worst_ratio_of(plan: Plan) -> float:
@@ -77,7 +108,7 @@ class _Looked:
     """
 
     def __init__(self, plan: Plan, *, in_time: bool = True) -> None:
-        self.plan, self.routes = plan, seeing_routes(routes_of(plan), plan)
+        self.plan, self.routes = plan, seeing_routes(undocked_routes(routes_of(plan), plan), plan)
         self.reaches_m, self.squares = sensors_of(plan)
         self.demands = [each for each in demands_of(plan.mission) if each.demand == "every_point"]
         points = [_points_m(each, sum(other.region.area for other in self.demands)) for each in self.demands]

@@ -45,7 +45,7 @@ def replan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
 ) -> None:
-    """Replan from a moment on: robots lost, new or late, a changed mission.
+    """Replan from a moment on, with robots lost, new or late.
 
     The first plan is written within moments, and each better one in its place.
     """

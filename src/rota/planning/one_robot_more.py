@@ -29,6 +29,8 @@ def one_robot_sentence(plan: Plan, report: Report) -> str | None:
     loops = [loop for loop in shared_loops(plan) if loop[0].loop_duration_s > 0]
     if tightest is None or not loops or plan.mission.planning.bouncing is not None:
         return None
+    if any(way.charges for way in plan):
+        return _less_text(plan)  # who charges when would be planned anew
     near = [loop for loop in loops if any(way.robot in tightest.robots for way in loop)] or loops
     return f"{_more_text(plan, near[:MOST_LOOPS])} {_less_text(plan)}"
 

@@ -19,11 +19,15 @@ HALVINGS = 40
 
 @by_reference
 class Legs(NamedTuple):
-    """One robot's plan: times_s (n,), places_m (n, 3), bends (n - 1,), and the index at which its loop begins."""
+    """One robot's plan: times_s (n,), places_m (n, 3), bends (n - 1,), and the index at which its loop begins.
+
+    docked: (n - 1,) whether it spends a leg at a charger, in nobody's way.
+    """
 
     times_s: NDArray[np.float64]
     places_m: NDArray[np.float64]
     bends: NDArray[np.float64]
+    docked: NDArray[np.bool_]
     loop_index: int
 
 
@@ -32,19 +36,22 @@ class Track(NamedTuple):
     """Where a robot is in one run: at places_m[i] (n, 3) at times_s[i], and straight between them.
 
     Of the share u of a piece's time it has done its way from i to i + 1 by u, and bows_m[i] (n, 3) times u (u - 1).
+    docked: (n,) whether it spends that piece at a charger.
     """
 
     times_s: NDArray[np.float64]
     places_m: NDArray[np.float64]
     bows_m: NDArray[np.float64]
+    docked: NDArray[np.bool_]
 
 
 @kernel
-def lay_track(legs, driven, robot, times_s, places_m, bows_m):
-    """Write a robot's track into arrays with room for it; returns how many places it has.
+def lay_track(legs, driven, robot, track):
+    """Write a robot's track into one with room for it; returns how many places it has.
 
     Pieces end where legs and ticks do, so that real time goes evenly along each.
     """
+    times_s, places_m, bows_m, docked = track.times_s, track.places_m, track.bows_m, track.docked
     came_s = driven.times_s[robot]
     stops_s = min(driven.fails_s[robot], driven.end_s)
     last = len(legs.times_s) - 1
@@ -66,6 +73,7 @@ def lay_track(legs, driven, robot, times_s, places_m, bows_m):
         n += 1
         times_s[n] = arrives_s
         places_m[n] = legs.places_m[leg] + (high + bend * high * (high - 1.0)) * along
+        docked[n - 1] = legs.docked[leg]
         bows_m[n - 1] = bend * (high - low) ** 2 * along
         planned_s = to_s
         if (tick + 1) * driven.tick_s <= to_s:
@@ -75,7 +83,7 @@ def lay_track(legs, driven, robot, times_s, places_m, bows_m):
             if leg == last and loop_s > 0:
                 leg, turned_s = legs.loop_index, turned_s + loop_s
     # it stands from then on
-    bows_m[n] = 0.0
+    bows_m[n], docked[n] = 0.0, n > 0 and docked[n - 1]
     times_s[n + 1], places_m[n + 1] = max(times_s[n], driven.end_s), places_m[n]
     return n + 2
 
@@ -143,7 +151,7 @@ def first_touch(one, other, apart_m, from_s, to_s):
         reach_m = apart_m + math.sqrt(bowed) / 4.0
         way2 = along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
         far2 = gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]
-        if math.sqrt(far2) - math.sqrt(way2) < reach_m:
+        if not (one.docked[i] or other.docked[j]) and math.sqrt(far2) - math.sqrt(way2) < reach_m:
             share = _nearest(gap, along, bow)
             if _gap_at(gap, along, bow, share) < apart_m:
                 bent = share * (share - 1.0)

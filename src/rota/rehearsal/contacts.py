@@ -60,12 +60,15 @@ def _track(way: Trajectory, driven: Driven, robot: int) -> Track:
     """Where a robot is in a run."""
     places_m = np.zeros((len(way.times_s), 3))
     places_m[:, : way.positions_m.shape[1]] = way.positions_m
-    legs = Legs(way.times_s.copy(), places_m, np.array(way.bends), way.loop_index)
+    docked = np.zeros(len(way.times_s) - 1, np.bool_)
+    for charge in way.charges:
+        docked |= (way.times_s[:-1] >= charge.from_s) & (way.times_s[1:] <= charge.until_s)
+    legs = Legs(way.times_s.copy(), places_m, np.array(way.bends), docked, way.loop_index)
     rounds = 2 + int(driven.end_s / way.loop_duration_s) if way.loop_duration_s else 1
     room = driven.times_s.shape[1] + rounds * len(way.times_s) + 3
-    times_s, at_m, bows_m = np.empty(room), np.empty((room, 3)), np.zeros((room, 3))
-    n = contact_kernels.lay_track(legs, driven, robot, times_s, at_m, bows_m)
-    return Track(times_s[:n].copy(), at_m[:n].copy(), bows_m[:n].copy())
+    track = Track(np.empty(room), np.empty((room, 3)), np.zeros((room, 3)), np.zeros(room, np.bool_))
+    n = contact_kernels.lay_track(legs, driven, robot, track)
+    return Track(track.times_s[:n], track.places_m[:n], track.bows_m[:n], track.docked[:n])
 
 
 def _line(way: Trajectory) -> object:
