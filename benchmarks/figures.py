@@ -43,6 +43,7 @@ from benchmarks.random_flats import bounce_flats
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
 from benchmarks.rehearsals import rehearsals
+from benchmarks.replans import replans
 from benchmarks.row import Options, Row
 from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
@@ -245,6 +246,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "page-editing": page_editing,
     "player": player,
     "rehearsals": rehearsals,
+    "replans": replans,
     "link-noise": link_noise,
     "kept-phase": kept_phase,
     "foreign-agvs": foreign_agvs,

@@ -12,7 +12,7 @@ from tests.live.two_robots import driven, two_robots
 
 from rota.command.cli import run
 from rota.command.watch_table import WatchTable
-from rota.files.plan_file import write_plan
+from rota.files.plan_file import read_plan, write_plan
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
 
@@ -124,3 +124,17 @@ def test_a_terminal_has_a_table_of_demands_and_robots() -> None:
     last = shown[shown.rindex("t = 15.0 s") :].splitlines()
     assert last[2].split()[:3] == ["left", "will", "lapse"]
     assert next(line for line in last if line.strip().startswith("b")).split()[:2] == ["b", "lost"]
+
+
+def test_a_plan_for_those_that_remain_is_offered_when_a_robot_is_lost(
+    plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ["--set", "faults=b:dies@8", "--silent", "3", "--log", "dies.rota-log", "--seconds", "45"]
+    assert run(["watch", plan, *FAST, *asked, "--replan"]) == 1
+    assert "without b from t = 2" in capsys.readouterr().err
+    (offered,) = Path().glob("dies-at-*.rota.json")
+    after = read_plan(offered)
+    assert [line.robot for line in after] == ["a"]
+    assert after.seam is not None
+    assert after.seam.lost == ("b",)
+    assert run(["watch", plan, "--replay", "dies.rota-log", "--replan"]) == 2

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from tests.replanning.rings import ROUND_S, Sampled, points_in, ring_mission, ring_plan
+from benchmarks.time_sampling import Sampled, lattice
+from tests.replanning.rings import ROUND_S, ring_mission, ring_plan
 from tests.short_searches import short_searches as short_searches
 
 import rota
@@ -69,7 +70,7 @@ def test_two_of_three_spread_evenly_and_are_late_as_little_as_can_be() -> None:
     plan = ring_plan(24, {"a": 0.0, "b": 40 / 3, "c": 80 / 3})
     found = replan(plan, at_s=57, lost=["b"])
     assert found.report.verdict == "met"
-    sampled = Sampled(found.plan, points_in(found.plan.mission, 0.3), 0.1, 120.0)
+    sampled = Sampled(found.plan, lattice(found.plan.mission, 0.3), 0.1, 120.0)
     assert found.report.lateness is not None
     assert found.report.lateness.worst is not None
     assert sampled.worst_s - 0.2 <= found.report.lateness.worst.worst_s <= sampled.worst_s + 0.5
@@ -85,7 +86,7 @@ def test_a_new_robot_takes_the_place_of_a_lost_one() -> None:
     assert found.report.verdict == "met"
     assert found.report.lateness is not None
     assert found.report.lateness.holds_again_s == 0
-    assert Sampled(found.plan, points_in(found.plan.mission, 0.3), 0.1, 120.0, more_m=0.05).worst_s == 0
+    assert Sampled(found.plan, lattice(found.plan.mission, 0.3), 0.1, 120.0, more_m=0.05).worst_s == 0
     assert tuple(found.plan["c"].positions_m[0]) == (10.0, 5.0)
 
 
@@ -142,7 +143,7 @@ def test_random_losses_beside_time_sampling(yard: Plan, seed: int) -> None:
     assert [one.kind for one in report.violations if one.kind != "gap"] == []
     until_s = max(one.times_s[-1] for one in found.plan) + 100
     # a step is 0.2 m long: what is in reach for a moment only may be missed but for so much more of it
-    sampled = Sampled(found.plan, points_in(found.plan.mission, 0.5), 0.1, until_s, more_m=0.11)
+    sampled = Sampled(found.plan, lattice(found.plan.mission, 0.5), 0.1, until_s, more_m=0.11)
     assert sampled.worst_s <= lateness.worst.worst_s + 0.2
     if lateness.worst.place_m is not None and math.isfinite(lateness.worst.worst_at_least_s):
         place = np.array([lateness.worst.place_m])

@@ -63,6 +63,9 @@ def watch(
         float, typer.Option(metavar="SECONDS", help="Where no table is shown: time between two lines of state.")
     ] = 10.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print notices and states as lines of JSON.")] = False,
+    replan: Annotated[
+        bool, typer.Option("--replan", help="When a robot is lost, write a plan for those that remain beside the log.")
+    ] = False,
     list_settings: ListSettings = False,
 ) -> None:
     """Watch robots along their plan: exit code 1 on a lapse.
@@ -75,14 +78,14 @@ def watch(
         typer.echo(settings_help(link))
         return
     chosen = _settings(silent, battery, off_route)
-    _require_sense(replay, judge, log, bool(settings) or chosen is not None, seconds, every, tolerance)
+    _require_sense(replay, judge, log, bool(settings) or chosen is not None, seconds, every, tolerance, replan)
     answer = read_plan_argument(plan)
     if judge is not None:
         raise typer.Exit(_judge(answer, judge, tolerance, as_json))
     if replay is not None:
         raise typer.Exit(_replay(answer, replay, every, as_json))
     made = chosen_link(link, answer, origin, settings)
-    raise typer.Exit(_watch(answer, made, chosen, log or _free_name(plan), seconds, every, as_json))
+    raise typer.Exit(_watch(answer, made, chosen, log or _free_name(plan), seconds, every, as_json, replan))
 
 
 # ---------------------------------------------------------------- what was asked
@@ -111,11 +114,12 @@ def _require_sense(
     seconds: float | None,
     every: float,
     tolerance: float,
+    replan: bool,
 ) -> None:
     """Refuse options that contradict each other, and numbers that are not above 0."""
     if replay is not None and judge is not None:
         raise RotaError("--replay, --judge: only one of them is allowed")
-    if (replay or judge) and (log is not None or has_settings or seconds is not None):
+    if (replay or judge) and (log is not None or has_settings or seconds is not None or replan):
         option = "--replay" if replay else "--judge"
         raise RotaError(f"{option}: the log says what was watched, and how; leave out all but --every and --json")
     for option, value in (("--seconds", seconds), ("--every", every), ("--tolerance", tolerance or None)):
@@ -171,8 +175,10 @@ def _watch(
     seconds: float | None,
     every: float,
     as_json: bool,
+    replan: bool,
 ) -> int:
     """Watch robots over a link until the time is up or Ctrl-C; returns the exit code."""
+    from rota.command.watch_replans import Replans
     from rota.command.watch_table import WatchTable
     from rota.live.ready import make_ready
     from rota.live.session import Session
@@ -188,7 +194,16 @@ def _watch(
         say(f"all that arrives is written to {log}; Ctrl-C ends the watch")
         lines = Lines(watched, every, as_json)
         table = WatchTable(watched) if is_table else None
-        session = Session(watched, writer, lines.show if table is None else table.show)
+        replans = Replans(plan, log.removesuffix(LOG_SUFFIX)) if replan else None
+        show = lines.show if table is None else table.show
+
+        def tell(notices: list[Notice]) -> None:
+            """Show notices, and replan for those that remain where that is asked."""
+            show(notices)
+            if replans is not None:
+                replans.note(notices)
+
+        session = Session(watched, writer, tell)
 
         async def run() -> None:
             async with open_link(link):
@@ -200,6 +215,8 @@ def _watch(
         else:
             with table:
                 asyncio.run(run())
+        if replans is not None:
+            replans.end()
         lines.end()
     return VIOLATED if watched.lapses else DONE
 

@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ENTRIES = 120  # places of a round at which robots may come into it
+THERE_M = 1e-7  # who is so near to where a round is to be joined is there
 MOST_TRIED = 6  # places at which a robot that turns slowly may still come too late
 
 
@@ -97,13 +98,14 @@ class Entries:
         if best is None:
             return None
         approach, turning_s, round_ = best
+        best_s = best_s if best_s > SHORTEST_S else 0.0
         leaves_s = turning_s if one.robot.body_radius_m == 0 else best_s - approach.duration_s
         return joined_trajectory(one.robot.name, approach, leaves_s, best_s, round_)
 
     def _approach(self, one: Standing, round_: TimedLine) -> Approach:
         """The way from where a robot is to where a round begins."""
         onward_m = first_step_m(round_.places_m)
-        if (one.place_m == round_.places_m[0]).all():
+        if math.dist(one.place_m, round_.places_m[0]) <= THERE_M:
             return Approach(line=steady(np.zeros(1), round_.places_m[:1]))
         line_m = self._paths_by_body.line(one.robot, one.place_m, round_.places_m[0], onward_m, one.heading_rad)
         return timed_approach(line_m, one.robot, onward_m)
