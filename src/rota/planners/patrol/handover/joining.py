@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.errors import PlanError
 from rota.model.mission import Robot
 from rota.model.plan import Driven, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
@@ -21,7 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ENTRIES = 120  # places of a round at which robots may come into it
-THERE_M = 1e-7  # who is so near to where a round is to be joined is there
+THERE_M = 5e-7  # who is so near to where a round is to be joined is there
 MOST_TRIED = 6  # places at which a robot that turns slowly may still come too late
 
 
@@ -100,7 +101,10 @@ class Entries:
         approach, turning_s, round_ = best
         best_s = best_s if best_s > SHORTEST_S else 0.0
         leaves_s = turning_s if one.robot.body_radius_m == 0 else best_s - approach.duration_s
-        return joined_trajectory(one.robot.name, approach, leaves_s, best_s, round_)
+        try:
+            return joined_trajectory(one.robot.name, approach, leaves_s, best_s, round_)
+        except PlanError:  # a way so short that its times are one but for rounding
+            return None
 
     def _approach(self, one: Standing, round_: TimedLine) -> Approach:
         """The way from where a robot is to where a round begins."""

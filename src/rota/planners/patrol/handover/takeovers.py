@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
+HALVINGS = 4  # of the step between phases that are tried beside the best
 PHASES = 6  # of a round that are tried, beside those at which one of its robots need not wait
 
 
@@ -47,6 +49,37 @@ def takeovers(asked: Handover) -> Iterator[Plan]:
         return
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
+
+
+class _Option(NamedTuple):
+    """What robots of one share may drive, by their names; at a phase of their round, with a step to others beside it.
+
+    entries: of robots that are evenly spaced; None: there is no other phase.
+    """
+
+    lines: dict[str, Trajectory]
+    entries: Entries | None = None
+    phase_s: float = 0.0
+    step_s: float = 0.0
+
+    @property
+    def last_s(self) -> float:
+        """When the last of these robots is in its loop."""
+        return max(one.loop_start_s for one in self.lines.values())
+
+    def beside(self) -> list[_Option]:
+        """The options half a step before and after this one."""
+        if self.entries is None or self.entries.line.stays:
+            return []
+        step_s = self.step_s / 2
+        both = (_option_at(self.entries, self.phase_s + shift_s, step_s) for shift_s in (-step_s, step_s))
+        return [option for option in both if option is not None]
+
+
+def _option_at(entries: Entries, phase_s: float, step_s: float) -> _Option | None:
+    """All robots of a round evenly spaced, the first at this phase; None where one cannot come."""
+    joined = join_evenly(entries, phase_s)
+    return None if joined is None else _Option({one.robot: one for one in joined}, entries, phase_s, step_s)
 
 
 class _Takeover:
@@ -111,11 +144,11 @@ class _Takeover:
             yield from self._least_late(
                 [self._options(*each, fill=fill) for each, fill in zip(own, fills, strict=True)]
             )
-        if not all(fill and not self._has_holes(*each) for each, fill in zip(own, fills, strict=True)):
-            evenly = [fill and not self._has_holes(*each) for each, fill in zip(own, fills, strict=True)]
-            if evenly != fills or not any(fills):
-                options = [self._options(*each, fill=fill) for each, fill in zip(own, evenly, strict=True)]
-                yield from self._least_late(options)
+        settled = [fill and self._is_as_before(*each) for each, fill in zip(own, fills, strict=True)]
+        if not all(settled):
+            yield from self._least_late(
+                [self._options(*each, fill=fill) for each, fill in zip(own, settled, strict=True)]
+            )
         if self.robot.body_radius_m > 0:
             yield from self._lead_all(sharing, [names for _, names in own])
 
@@ -144,9 +177,10 @@ class _Takeover:
         here = [name for name in names if name in before and name in self.going_on]
         return len(share.rounds) == 1 and len(names) <= len(before) and bool(here)
 
-    def _has_holes(self, share: Share, names: Sequence[str]) -> bool:
-        """Whether robots of a round are fewer than before, so that they are not evenly spaced."""
-        return len(names) < len(self.rounds[share.rounds[0]].ahead_s) and not self.rounds[share.rounds[0]].line.stays
+    def _is_as_before(self, share: Share, names: Sequence[str]) -> bool:
+        """Whether the robots of one round are those of before, so that they are spaced as they were."""
+        round_ = self.rounds[share.rounds[0]]
+        return round_.line.stays or set(names) == set(round_.ahead_s)
 
     def _round_of(self, share: Share) -> Round:
         """The round of a share."""
@@ -158,34 +192,54 @@ class _Takeover:
             self._joined[share.rounds] = Round(line=join_rounds(lines, self._slowest, paths), ahead_s={})
         return self._joined[share.rounds]
 
-    def _options(self, share: Share, names: Sequence[str], *, fill: bool) -> list[dict[str, Trajectory]]:
+    def _options(self, share: Share, names: Sequence[str], *, fill: bool) -> list[_Option]:
         """What robots of a share may drive, each at another phase; those that go on as before have no other."""
         round_ = self._round_of(share)
         here = [name for name in names if fill and name in round_.ahead_s and name in self.going_on]
         kept = {name: self.going_on[name] for name in here}
         others = [name for name in names if name not in kept]
         if not others:
-            return [kept]
+            return [_Option(kept)]
         entries = Entries(round_.line, [self.standing[name] for name in others], self.paths_by_body)
         if fill:
             vacant_s = [ahead_s for name, ahead_s in round_.ahead_s.items() if name not in kept]
             joined = join_at(entries, vacant_s)
-            return [] if joined is None else [kept | {one.robot: one for one in joined}]
-        each = (join_evenly(entries, phase_s) for phase_s in self._phases_s(round_, names))
-        return [{one.robot: one for one in joined} for joined in each if joined is not None]
+            return [] if joined is None else [_Option(kept | {one.robot: one for one in joined})]
+        apart_s = round_.duration_s / len(names)
+        every = (_option_at(entries, phase_s, apart_s / PHASES) for phase_s in self._phases_s(round_, names))
+        return [option for option in every if option is not None]
 
-    def _least_late(self, choices: list[list[dict[str, Trajectory]]]) -> Iterator[Plan]:
-        """The plan with the least late option of each share, chosen one after the other; none where one has none."""
+    def _least_late(self, choices: list[list[_Option]]) -> Iterator[Plan]:
+        """The plan with the least late option of each share, chosen one after the other; none where one has none.
+
+        Then that with phases between these, nearer and nearer to the best.
+        """
         if not all(choices):
             return
         found: dict[str, Trajectory] = {}
         for options in choices:
-            found |= options[min((_last_s(option), k) for k, option in enumerate(options))[1]]
-        for options in choices:
+            found |= min(options, key=lambda option: option.last_s).lines
+        best = [options[0] for options in choices]
+        for k, options in enumerate(choices):
             if len(options) > 1:
-                ranked = [(self.asked.lateness(self.plan({**found, **option})), k) for k, option in enumerate(options)]
-                found |= options[min(ranked)[1]]
+                found, best[k] = self._least_late_of(found, options)
         yield self.plan(found)
+        for _ in range(HALVINGS):
+            finer = [option.beside() for option in best]
+            if not any(finer):
+                return
+            for k, options in enumerate(finer):
+                if options:
+                    found, best[k] = self._least_late_of(found, [best[k], *options])
+            yield self.plan(found)
+
+    def _least_late_of(
+        self, found: dict[str, Trajectory], options: Sequence[_Option]
+    ) -> tuple[dict[str, Trajectory], _Option]:
+        """What all drive with the least late of these options, and that option, from which finer steps lead on."""
+        ranked = [(self.asked.lateness(self.plan({**found, **one.lines})), k) for k, one in enumerate(options)]
+        best = options[min(ranked)[1]]
+        return {**found, **best.lines}, best._replace(step_s=min(one.step_s for one in options))
 
     def _phases_s(self, round_: Round, names: Sequence[str]) -> list[float]:
         """Phases of the first robot that are tried: at each of them robots are as far round as they are, or evenly."""
@@ -214,8 +268,3 @@ class _Takeover:
         with suppress(NoPlanFound):
             led = lead_from_starts(Plan(mission=self.mission, trajectories=tuple(loops)), self.mission, None)
             yield replace(led, seed=self.asked.seed, seam=self.asked.seam)
-
-
-def _last_s(joined: dict[str, Trajectory]) -> float:
-    """When the last of these robots is in its loop."""
-    return max(one.loop_start_s for one in joined.values())
