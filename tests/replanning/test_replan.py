@@ -148,7 +148,8 @@ def test_random_losses_beside_time_sampling(yard: Plan, seed: int) -> None:
     if lateness.worst.place_m is not None and math.isfinite(lateness.worst.worst_at_least_s):
         place = np.array([lateness.worst.place_m])
         less, more = (Sampled(found.plan, place, 0.05, until_s, more_m=by).worst_s for by in (0.06, -0.06))
-        assert less - 0.2 <= lateness.worst.worst_at_least_s <= more + 0.2
+        assert less - 0.2 <= lateness.worst.worst_at_least_s
+        assert report.verdict == "violated" or lateness.worst.worst_at_least_s <= more + 0.2
     if report.verdict == "met":
         assert lateness.holds_again_s is not None
         assert sampled.last_s <= lateness.holds_again_s + 0.2

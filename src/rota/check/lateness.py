@@ -43,7 +43,7 @@ def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Call
     sampled = [sample_demand(sights, plan, k, demand) for k, demand in enumerate(demands)]
     bracket = _Bracket(plan, sights, demands, finest_m, on_the_way)
     ever = all(demand.outcome == "met" for demand in report.demands)
-    worst = bracket.worst(sampled)
+    worst = [_with_loops(one, report) for one in bracket.worst(sampled)]
     if ever and all(one.worst_s == 0 for one in worst):
         again_s: float | None = 0.0
     else:
@@ -55,6 +55,18 @@ def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Call
         late_m2_s=sum(one.late_m2_s for one in sampled) if ever else math.inf,
         holds_again_s=again_s,
     )
+
+
+def _with_loops(late: LateDemand, report: Report) -> LateDemand:
+    """How late a demand is, with what its loops come to for ever, where these do not meet it."""
+    (demand,) = (one for one in report.demands if one.name == late.name)
+    if demand.outcome == "met":
+        return late
+    over_s = demand.worst_gap_at_least_s - demand.period_s
+    told = next((one for one in report.violations if one.kind == "gap" and one.who == late.name), None)
+    if over_s > late.worst_at_least_s and told is not None:
+        late = replace(late, worst_at_least_s=over_s, place_m=told.place_m, time_s=told.time_s)
+    return replace(late, worst_s=max(late.worst_s, late.worst_at_least_s, demand.worst_gap_s - demand.period_s))
 
 
 class _Bracket:
