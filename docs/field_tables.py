@@ -7,6 +7,8 @@ from pathlib import Path
 
 from rota.files.example_mission import example_mission_text
 from rota.files.mission_schema import DRIVING
+from rota.model.batteries import Charger
+from rota.model.battery_limits import BatteryLimits
 from rota.model.fields import any_of, fields_of
 from rota.model.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
@@ -18,7 +20,7 @@ PART = re.compile(r"(<!-- (\w+): python -m docs\.field_tables -->\n).*?(<!-- end
 
 def with_fields(page: str) -> str:
     """The page's text with its parts about fields as they are declared."""
-    parts = {"mission": mission_part, "motion": motion_part, "vehicles": vehicles_part}
+    parts = {"mission": mission_part, "motion": motion_part, "batteries": batteries_part, "vehicles": vehicles_part}
     return PART.sub(lambda found: found[1] + "\n" + parts[found[2]]() + "\n" + found[3], page)
 
 
@@ -34,6 +36,16 @@ def motion_part() -> str:
         f"| `{item.name}` | {item.unit} | {vehicles if item.name == 'vehicle' else ''}{'; ' * (item.name == 'vehicle')}"
         f"{item.meaning} |"
         for item in fields_of(MotionLimits)
+    ]
+    return "\n".join(["| key | unit | meaning |", "|---|---|---|", *rows, ""])
+
+
+def batteries_part() -> str:
+    """A row for each field of batteries, then of chargers."""
+    rows = [
+        f"| `{prefix}{item.name}` | {item.unit} | {item.meaning} |"
+        for prefix, block in (("fleet.", BatteryLimits), ("chargers[].", Charger))
+        for item in fields_of(block)
     ]
     return "\n".join(["| key | unit | meaning |", "|---|---|---|", *rows, ""])
 

@@ -26,7 +26,17 @@ from rota.planners.swarm.planner_settings import SwarmSettings
 PROJECT = Path(__file__).parents[1]
 EXAMPLES = PROJECT / "examples"
 DATA = PROJECT.parent / "shared" / "data"
-MISSIONS = ["building", "coast", "harbour", "harbour-copters", "parcel", "sun2019-fig13", "sun2019-fig16", "warehouse"]
+MISSIONS = [
+    "building",
+    "coast",
+    "harbour",
+    "harbour-copters",
+    "parcel",
+    "port-relief",
+    "sun2019-fig13",
+    "sun2019-fig16",
+    "warehouse",
+]
 needs_real_inputs = pytest.mark.skipif(not DATA.is_dir(), reason="../shared/data is missing")
 
 PARCEL_NL = """\

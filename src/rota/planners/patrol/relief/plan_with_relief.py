@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -130,13 +131,26 @@ class _Team:
         ]
 
     def cycles(self) -> list[Cycle]:
-        """The slots in cycles that take the fewest robots, each with the charger that is nearest to its slots."""
+        """The slots in cycles that take the fewest robots: each slot at the charger nearest to it, or all at one."""
         nearest = [min(range(len(own)), key=lambda k: float(own[k].ways_s.min())) for own in self._handovers]
-        cycles = []
-        for charger in sorted(set(nearest)):
-            members = [k for k, own in enumerate(nearest) if own == charger]
-            cycles += self._cycles_of(members, charger)
-        return cycles
+        tried = [self._cycles_at(nearest)]
+        for charger in range(len(self._mission.chargers) if len(set(nearest)) > 1 else 0):
+            with suppress(NoPlanFound):
+                tried.append(self._cycles_at([charger] * len(nearest)))
+        roomy = [cycles for cycles in tried if all(self._has_room(cycle.charger, cycles) for cycle in cycles)]
+        return min(roomy or tried, key=lambda cycles: sum(cycle.robots for cycle in cycles))
+
+    def _has_room(self, charger: Charger, cycles: Sequence[Cycle]) -> bool:
+        """Whether a charger has places for the robots that are not at slots, when one is at each."""
+        return sum(c.robots - len(c.shifts) for c in cycles if c.charger is charger) <= charger.places
+
+    def _cycles_at(self, chargers: Sequence[int]) -> list[Cycle]:
+        """The cycles of slots that are served from these chargers, by their numbers."""
+        return [
+            cycle
+            for charger in sorted(set(chargers))
+            for cycle in self._cycles_of([k for k, own in enumerate(chargers) if own == charger], charger)
+        ]
 
     def _cycles_of(self, members: Sequence[int], charger: int) -> list[Cycle]:
         """The slots of a charger in cycles: all in one, or two by two as long as that spares a robot."""
