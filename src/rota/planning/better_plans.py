@@ -38,7 +38,8 @@ class BetterPlans:
         """Note a plan that was judged, in any thread; tells it if it is better. The tellings do not overlap."""
         from rota.check import check_plan
 
-        if plan.mission.area != self._mission.area:
+        # robots that never charge are no answer where they must
+        if plan.mission.area != self._mission.area or plan.mission.chargers != self._mission.chargers:
             return
         with self._lock:
             if plan.mission is not self._mission:

@@ -180,8 +180,9 @@ class _Team:
     def _too_far(self, slot: int, charger: Charger) -> str:
         """That no robot can serve a slot within a battery."""
         own, line = min(self._handovers[slot], key=lambda each: float(each.ways_s.min())), self._slots[slot].line
-        way_s = float(own.ways_s.min())
-        x, y = own.places_m[own.nearest]
+        farthest = int(np.argmax(own.ways_s))
+        at = farthest if 2 * own.ways_s[farthest] > self._robot.battery.usable_s else own.nearest
+        way_s, (x, y) = float(own.ways_s[at]), own.places_m[at]
         battery = self._robot.battery
         if not np.isfinite(way_s):
             return f"no charger can be reached from ({x:.6g}, {y:.6g}), where a robot is needed: give one there"
