@@ -101,7 +101,7 @@ def test_a_plan_is_written_checked_and_told(yard: Path, use: Use, capsys: pytest
         "1 robot: no plan needs fewer, proved.",
         "Check: met, every demand, for ever.",
         # from (7, 5) to what is looked at in the corner, 5.82 m, is enough
-        "Least range to spare: 14.179 of 20 m (70.8 %), in area at (9.99, 9.99), seen by robot-1; of 2030 places.",
+        "Least range to spare: 14.181 of 20 m (70.9 %), in area at (9.99, 9.99), seen by robot-1; of 2030 places.",
         "Least time to spare: 40 of 40 s (100 %), in area, seen by robot-1.",
         "One robot more on a loop there would leave no more to spare. One robot less cannot do it, proved.",
         "The plan is for robots that change speed at once.",

@@ -26,7 +26,8 @@ Flags = NDArray[np.bool_]
 MOST_PLACES = 2_000
 MOST_CORNERS = 500
 CORNER_IN_M = 0.01  # how far inside of a corner it is looked at
-FIRST_SHARE, LAST_SHARE = 2.0**-10, 2.0**-12  # of the reach: by how much less is tried first, and how fine at last
+STEP = 2.0**-12  # of the reach: how finely a range is told
+FEW = 20  # one in so many places is asked for its range before all are
 
 
 def margins_of(plan: Plan, report: Report) -> tuple[Margin, ...]:
@@ -148,28 +149,33 @@ class _Looked:
     def range_margin(self) -> Margin:
         """By how much less all robots may see until the first place waits longer than its period."""
         reach_m = float(self.reaches_m.min())
-        none_late_m, some_late_m, late = 0.0, FIRST_SHARE * reach_m, np.arange(len(self.points_m))
-        while some_late_m < reach_m and not len(found := self._late(late, some_late_m)):
-            none_late_m, some_late_m = some_late_m, 2 * some_late_m
-        late = found if some_late_m < reach_m else late
-        while some_late_m - none_late_m > LAST_SHARE * reach_m:
-            middle_m = (none_late_m + some_late_m) / 2
-            found = self._late(late, middle_m)
-            if len(found):
-                some_late_m, late = middle_m, found
-            else:
-                none_late_m = middle_m
+        spare_m, late = self._least_range(np.arange(len(self.points_m))[::FEW], reach_m)
+        found = self._late(np.arange(len(self.points_m)), spare_m)
+        if len(found):
+            spare_m, late = self._least_range(found, spare_m)
         place = int(late[0])
         return Margin(
             kind="range",
             who=self.demands[self.owners[place]].name,
             robots=self.robots_that_see(place),
-            spare=none_late_m,
+            spare=spare_m,
             limit=reach_m,
             unit="m",
             place_m=self.place_m(place),
             places=len(self.points_m),
         )
+
+    def _least_range(self, places: NDArray[np.int64], most_m: float) -> tuple[float, NDArray[np.int64]]:
+        """By how much less all robots may see before the first of some places is late, and those that are late then."""
+        low_m, high_m, late = 0.0, most_m, places
+        while high_m - low_m > STEP * float(self.reaches_m.min()):
+            middle_m = (low_m + high_m) / 2
+            found = self._late(late, middle_m)
+            if len(found):
+                high_m, late = middle_m, found
+            else:
+                low_m = middle_m
+        return low_m, late
 
     def _late(self, places: NDArray[np.int64], less_m: float) -> NDArray[np.int64]:
         """Those of some places that wait longer than their periods where all robots see so much less far."""

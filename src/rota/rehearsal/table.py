@@ -10,7 +10,7 @@ from rota.rehearsal.estimates import Estimate
 from rota.rehearsal.outcome import DemandOutcome, Rehearsal
 
 TOLD = 5  # demands whose worst gap is told with its place, the latest first
-ROUNDING = 1e-12  # of a share
+ROUNDING, ALMOST_ALL = 1e-12, 0.9995  # of a share; from the second on it would be rounded to 100.0 %
 HEAD = ("demand", "period s", "places", "available %", "worst late s", "runs on time %")
 
 
@@ -62,10 +62,12 @@ def conditions_text(asked: Conditions) -> str:
 
 def percent_text(share: Estimate) -> str:
     """A share in percent with its interval; what is not all of it does not look like all."""
+    rounds_up = any(value is not None and ALMOST_ALL <= value < 1 - ROUNDING for value in share)
+    digits = 3 if rounds_up else 1
 
     def percent(value: float) -> str:
-        rounded = f"{100 * value:.1f}"
-        return f"{math.floor(1e5 * value) / 1e3:.3f}" if rounded == "100.0" and value < 1 - ROUNDING else rounded
+        told = math.floor(1e5 * (value + ROUNDING)) / 1e3 if rounds_up else 100 * value
+        return f"{told:.{digits}f}"
 
     return _with_interval(share, percent)
 
