@@ -13,7 +13,7 @@ from benchmarks.row import Options, Row
 from benchmarks.time_sampling import Sampled, lattice
 from rota import NoPlanFound, Plan, Replanned, make_plan, read_mission, replan
 
-EXAMPLES = ("harbour", "parcel", "coast", "building", "sun2019-fig13")
+EXAMPLES = ("harbour", "parcel", "coast", "building", "warehouse", "sun2019-fig13")
 LOSSES, OF_EACH = 100, 4  # random losses, and those of one random mission
 STEP_S, POINTS = 0.1, 150
 FIRST_S, RECOVERY = 2.0, 2.0  # what is asked: of the first answer, and of recovery in longest periods
@@ -22,19 +22,19 @@ TOLERANCE_S = 0.25
 
 def replans(options: Options) -> Iterator[Row]:
     """The first answers for the examples, how soon they recover, and the random losses."""
-    took_s, recovered, met = [], [], 0
+    took_s, cpu_s, met = list[float](), list[float](), 0
     for name in EXAMPLES:
         mission = read_mission(Path("examples") / f"{name}.yaml").mission.with_effort("quick")
         plan = make_plan(mission, seed=0)
         first_answer(plan, plan.trajectories[0].robot, 10.0)  # so that no time holds loading
         for k, line in enumerate(plan):
-            begin = time.monotonic()
+            begin, used_s = time.monotonic(), time.process_time()
             found = first_answer(plan, line.robot, 137.0 + 100 * k)
             took_s.append(time.monotonic() - begin)
-            if found.meets_demand:
-                met += 1
-                recovered.append(recovery(found))
+            cpu_s.append(time.process_time() - used_s)
+            met += found.meets_demand
     asked, longest = f"< {FIRST_S:g} s each, warm", f"longest {max(took_s):.2f} s, median {np.median(took_s):.2f} s"
+    longest += f" ({max(cpu_s):.2f} and {np.median(cpu_s):.2f} s of the processor)"
     name = f"first answer to the loss of each robot of {len(EXAMPLES)} examples, {len(took_s)} losses"
     yield Row(name, asked, f"{longest}; {met} of them meet the demand", max(took_s) < FIRST_S)
     yield from random_losses()

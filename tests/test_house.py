@@ -30,11 +30,11 @@ PATROL_STAGES = [
     ["bounds", "context"],
     ["annealing"],
     ["initial", "traffic"],
-    ["handover"],
     ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],
     ["route_graph", "relief"],
+    ["handover"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

@@ -28,6 +28,7 @@ from rota import (
     make_plan,
     replan,
 )
+from rota.model.mission import Lane
 
 PAIR = ring_plan(30, {"a": 0.0, "b": 20.0})
 
@@ -224,3 +225,33 @@ def test_robots_with_mass_go_on() -> None:
     plan = ring_plan(45, {"a": 0.0, "b": 20.0}, motion=rota.MotionLimits(**corner))
     found = replan(plan, at_s=33.3, lost=["b"], time_limit_s=2)
     assert (found.kept, found.report.verdict) == (("a",), "met")
+
+
+def test_robots_on_lanes_share_the_places_anew() -> None:
+    # a square of one-way lanes: who comes from one corner to the next goes round; two robots are half a round apart
+    corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+    lanes = tuple(Lane(line_m=(corners[k], corners[(k + 1) % 4]), one_way=True) for k in range(4))
+    zones = tuple(
+        Zone(name=f"corner {k}", period_s=period_s, demand="visit", shape=shapely.Point(at).buffer(0.5))
+        for k, (at, period_s) in enumerate(zip(corners, (45, 45, 45, 45), strict=True))
+    )
+    mission = Mission(
+        name="one way", area=shapely.MultiPolygon([shapely.box(-1, -1, 11, 11)]), zones=zones, lanes=lanes,
+        fleet=Fleet(robots=2, speed_m_s=1, sensor=DiscSensor(radius_m=1)), planning=PatrolSettings(effort="quick"),
+    )  # fmt: skip
+    stops = np.arange(0, 50, 10.0)
+    ring = np.array([*corners, corners[0]])
+    # the first robot keeps all corners, the other one stands at a corner and goes round as well
+    loops = (
+        Trajectory(robot="robot-1", times_s=stops, positions_m=ring),
+        Trajectory(robot="robot-2", times_s=stops, positions_m=np.roll(ring[:4], -2, axis=0)[[0, 1, 2, 3, 0]]),
+    )
+    plan = Plan(mission=mission, trajectories=loops)
+    found = replan(plan, at_s=13.0, lost=["robot-1"])
+    assert found.report.verdict == "met"
+    assert found.report.lateness is not None
+    # 40 s for a round, each corner seen for 0.5 m before and behind it
+    assert found.report.lateness.late_m2_s == 0
+    both = replan(plan, at_s=13.0, lost=["robot-1"], joined={"robot-3": (10.0, 0.0)}, time_limit_s=5)
+    assert both.report.verdict == "met"
+    assert [one.kind for one in check_plan(both.plan).violations] == []

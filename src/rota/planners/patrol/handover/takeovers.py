@@ -17,6 +17,7 @@ from rota.geometry.free_space import free_ground
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
+from rota.planners.patrol.handover.on_lanes import takeovers_on_lanes
 from rota.planners.patrol.handover.rounds import (
     Round,
     begin_at,
@@ -43,9 +44,11 @@ def takeovers(asked: Handover) -> Iterator[Plan]:
     if takeover.going_on.keys() == asked.going_on.keys() and asked.going_on:
         waiting = {name: stand_by(one) for name, one in takeover.standing.items() if name not in asked.going_on}
         yield takeover.plan({**waiting, **takeover.going_on})
-    # who is under way with mass would have to brake first, and on lanes ways lead along these
-    moves_freely = not any(one.robot.motion.has_mass for one in takeover.standing.values()) and not asked.mission.lanes
-    if not takeover.rounds or not moves_freely:
+    if asked.mission.lanes:
+        yield from takeovers_on_lanes(asked)
+        return
+    # who is under way with mass would have to brake first
+    if not takeover.rounds or any(one.robot.motion.has_mass for one in takeover.standing.values()):
         return
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
