@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Charger, Mission
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
 from rota.planners.patrol.verdict import Judge
@@ -86,7 +86,7 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
 
 
 def slower_slots(plan: Plan, slots: Sequence[Slot], judge: Judge) -> list[Slot]:
-    """The slots, with rounds as long as the shortest period that such a loop may serve where the plan passes so.
+    """The slots, with rounds as long as the longest period for which the plan passes so.
 
     Each loop that keeps no step with others is slowed down in turn, all others being as they were. A robot that stays
     serves what is seen too seldom without it.
@@ -100,17 +100,20 @@ def slower_slots(plan: Plan, slots: Sequence[Slot], judge: Judge) -> list[Slot]:
             demands = judge(replace(plan, trajectories=others)).demands
             served_s = [demand.period_s for demand in demands if demand.worst_gap_s > demand.period_s]
             slot = replace(slot, most_s=min(served_s, default=float(periods_s[-1])))
-        elif not slot.keeps_step and len(enough_s) and slot.line.duration_s <= enough_s[0]:
-            times_s = slot.line.times_s * (enough_s[0] / slot.line.duration_s)
-            times_s[-1] = enough_s[0]
-            places_m = slot.line.places_m
-            slow = replace(
-                plan.trajectories[k], times_s=times_s, positions_m=places_m, loop_start_s=0.0, waypoints=None
-            )
-            if judge(replace(plan, trajectories=(*others, slow))).verdict == "met":
-                slot = replace(slot, most_s=float(enough_s[0]), passes=1.0)
+        for period_s in () if slot.line.stays or slot.keeps_step else enough_s:
+            slow = replace(slot, most_s=float(period_s), passes=1.0)
+            if judge(replace(plan, trajectories=(*others, slowest(plan.trajectories[k], slow)))).verdict != "met":
+                break
+            slot = slow
         slower.append(slot)
     return slower
+
+
+def slowest(one: Trajectory, slot: Slot) -> Trajectory:
+    """The trajectory of a slot's robot when a round takes as long as it may."""
+    times_s = slot.line.times_s * (slot.most_s / slot.line.duration_s)
+    times_s[-1] = slot.most_s
+    return replace(one, times_s=times_s, positions_m=slot.line.places_m, loop_start_s=0.0, waypoints=None)
 
 
 def without_waits(slots: Sequence[Slot], speed_m_s: float) -> list[Slot]:
