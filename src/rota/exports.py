@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from rota.errors import MissionError, RotaError
 from rota.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
+from rota.export_create2 import covering_time, create2_programs, create2_sketches
 
 if TYPE_CHECKING:
     from rota.files.dji_waylines import WaylineSettings
@@ -47,32 +48,6 @@ def px4_missions(plan: Plan, folder: str) -> tuple[Path, ...]:
     from rota.files.qgroundcontrol import write_qgroundcontrol
 
     return write_qgroundcontrol(plan, folder, autopilot="px4")
-
-
-def create2_sketches(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """A sketch per robot, which may drive slower than planned as far as all demands stay met."""
-    from rota.check import check_plan
-    from rota.files.create2_legs import MOST_SLOWING
-    from rota.files.create2_sketch import write_create2_sketches
-
-    # a slower clock makes every gap as much longer
-    ratio = check_plan(plan).worst_ratio
-    most = min(1 / ratio if ratio > 0 else MOST_SLOWING, MOST_SLOWING)
-    return write_create2_sketches(plan, folder, most_slowing=max(most, 1.0))
-
-
-def create2_programs(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """A program per robot that only reacts, with how long that takes to cover the ground."""
-    from rota.files.create2_reactive import write_create2_programs
-
-    return write_create2_programs(plan, folder, covers=covering_time(plan) or "not known")
-
-
-def covering_time(plan: Plan) -> str | None:
-    """How long robots that only react take to cover their ground; None of robots that do not bounce."""
-    from rota.planning.planner import planner_of
-
-    return planner_of(plan.mission).covering_time(plan)
 
 
 def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
@@ -131,7 +106,8 @@ class Format:
     ``folder`` writes files for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
     ``timed`` takes that, too, and writes a file, or a folder where ``is_folder``. settings: the module and the name of
     the ``Settings`` that either takes as well. in_phase: what keeps robots in phase where vehicles see no clock.
-    warning: what the receiver should know of a plan. judges: the check's loops run.
+    warning: what the receiver should know of a plan. judges: the check's loops run. charging: plans whose robots charge
+    are told whole, by a clock, or as single flights with a table of when each starts, or not at all.
     """
 
     holds: str
@@ -145,6 +121,7 @@ class Format:
     in_phase: str | None = None
     warning: Callable[[Plan], str | None] = lambda plan: None
     judges: bool = False
+    charging: Literal["whole", "flights", "refused"] = "whole"
 
     @property
     def has_clock(self) -> bool:
@@ -164,24 +141,31 @@ FORMATS = {
     "csv": Format(holds="a table of all timed points", text=csv_table),
     "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=kml_tour),
     "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=gpx_tracks),
-    "qgroundcontrol": Format(holds=".plan files for ArduPilot", folder=ardupilot_missions, in_phase=BY_ARDUPILOT),
+    "qgroundcontrol": Format(
+        holds=".plan files for ArduPilot", folder=ardupilot_missions, in_phase=BY_ARDUPILOT, charging="flights"
+    ),
     "qgroundcontrol-px4": Format(
         holds=".plan files for PX4",
         folder=px4_missions,
         in_phase="a speed for each leg and waits, for 65,535 rounds; start all robots together",
+        charging="flights",
     ),
-    "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists, in_phase=BY_ARDUPILOT),
+    "waypoints": Format(
+        holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists, in_phase=BY_ARDUPILOT, charging="flights"
+    ),
     "dji-wpml": Format(
         holds="KMZ for DJI's ground stations",
         folder=dji_waylines,
         settings=("rota.files.dji_waylines", "WaylineSettings"),
         in_phase="a speed for each leg and waits of whole seconds, until robots fly home; start all together",
+        charging="flights",
     ),
     "nav2": Format(
         holds="waypoints and a nav_msgs/Path for Nav2 (YAML)",
         folder=nav2_waypoints,
         takes_origin=False,
         in_phase="speed_m_s and wait_s of each waypoint, for clients that heed them; start all robots together",
+        charging="flights",
     ),
     "vda5050": Format(
         holds="VDA 5050 orders and their updates",
@@ -190,9 +174,14 @@ FORMATS = {
         takes_origin=False,
         settings=("rota.files.vda5050_files", "OrderSettings"),
         in_phase="maxSpeed of each edge, driven at, and actions that wait; start all robots together",
+        charging="refused",
     ),
     "create2-sketch": Format(
-        holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False, judges=True
+        holds="sketches for Create 2 robots",
+        folder=create2_sketches,
+        takes_origin=False,
+        judges=True,
+        charging="refused",
     ),
     "create2-reactive": Format(
         holds="programs for Create 2 robots that turn at every bump, with no plan",
@@ -200,6 +189,7 @@ FORMATS = {
         takes_origin=False,
         warning=covering_time,
         judges=True,
+        charging="refused",
     ),
     "rosbag2": Format(
         holds="a bag of ROS 2 in MCAP, for Foxglove and RViz",
@@ -241,8 +231,20 @@ class Export:
             return (Path(output),)
         if self.kind.timed is not None:
             return self.kind.timed(self.plan, output, self.start, **self.given)
-        assert self.kind.folder is not None
-        return self.kind.folder(self.plan, output, **self.given)
+        folder = self.kind.folder
+        assert folder is not None
+        if self.has_flights:
+            from rota.files.flight_files import write_flights
+
+            return write_flights(self.plan, output, lambda flights: folder(flights, output, **self.given))
+        return folder(self.plan, output, **self.given)
+
+    @property
+    def has_flights(self) -> bool:
+        """Whether the files are single flights, since robots charge."""
+        from rota.routes.flights import recharges
+
+        return self.kind.charging == "flights" and recharges(self.plan)
 
 
 def export_of(
@@ -261,8 +263,21 @@ def export_of(
     if start_time is not None and not kind.has_clock:
         clocks = ", ".join(name for name, other in FORMATS.items() if other.has_clock)
         raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
+    if kind.charging == "refused":
+        _require_no_charging(plan, to)
     start = START if start_time is None else instant_given(start_time, "--start-time")
     return Export(plan=plan, kind=kind, start=start, given=_settings_given(to, settings))
+
+
+def _require_no_charging(plan: Plan, to: str) -> None:
+    from rota.routes.flights import recharges
+
+    if recharges(plan):
+        flights = ", ".join(name for name, kind in FORMATS.items() if kind.charging == "flights")
+        raise RotaError(
+            f"--to: {to!r} is not allowed for a plan whose robots charge: it has no words for that; as single flights"
+            f" there are {flights}"
+        )
 
 
 def export_plan(

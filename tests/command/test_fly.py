@@ -11,6 +11,7 @@ from typing import cast
 
 import pytest
 from tests.links.fleets import three
+from tests.relieved import relieved
 
 from rota.command.cli import run
 from rota.command.fly_along import Along
@@ -138,3 +139,15 @@ def test_robots_pause_and_come_home(plan: str, capsys: pytest.CaptureFixture[str
 def test_settings_are_listed(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["fly", plan, "--settings"]) == 0
     assert "  rate_hz=5.0               reports of each vehicle in a second" in capsys.readouterr().out
+
+
+def test_robots_that_charge_are_not_sent_what_they_would_fly_for_ever(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "pier.rota.json"
+    write_plan(relieved(2), path)
+    assert run(["fly", str(path), "--start", "--yes"]) == 2
+    told = (
+        "rota: error: the plan's robots charge, and rota fly cannot send them back and relieve them: rota export writes"
+    )
+    assert capsys.readouterr().err.startswith(told)

@@ -14,7 +14,8 @@ from tests.relieved import SQUARE_M, relieved
 
 from rota.draw.palette import CHARGES, RESERVE, RESTS, pale, route_style
 from rota.draw.plan_picture import plan_figure
-from rota.draw.routes import loop_letter, routes_of
+from rota.draw.routes import routes_of
+from rota.routes.served_loops import loop_letter
 
 
 def chart_of(count: int) -> Axes:

@@ -14,7 +14,8 @@ from benchmarks.create2.robot import TICK_US, Create2
 from benchmarks.create2.uno import Uno, build_core, build_simulator, build_sketch, missing_tools
 from shapely import LinearRing, box
 
-from rota.exports import FORMATS, covering_time
+from rota.export_create2 import covering_time
+from rota.exports import FORMATS
 from rota.files.create2_reactive import program_texts, write_create2_programs
 from rota.model.plan import Plan
 

@@ -81,6 +81,7 @@ def executed_plan(plan: Plan, name: str) -> Executed:
     """The plan as a format drives it. Raises RotaError for a format whose files are judged when they are written."""
     from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 
+    require_no_flights(plan)
     if name == "create2-reactive":
         raise RotaError(f"--executed: {name!r} is not allowed: such programs drive no plan")
     if name not in DRIVEN:
@@ -101,6 +102,17 @@ def executed_plan(plan: Plan, name: str) -> Executed:
             f" {late_s[last]:+.2g} s ({moving[last][0].robot}): up to {max(shares) * HOUR_S:.2g} s an hour"
         )
     return Executed(plan=made, told=told, off_m=off_m, drifts=drifts)
+
+
+def require_no_flights(plan: Plan) -> None:
+    """Raise RotaError for a plan whose robots charge."""
+    from rota.routes.flights import recharges
+
+    if recharges(plan):
+        raise RotaError(
+            "--executed: not allowed for a plan whose robots charge: formats have its single flights, which are not"
+            " judged; rota check without it judges the plan"
+        )
 
 
 def table_of_worst(report: Report) -> str:

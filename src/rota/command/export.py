@@ -43,6 +43,7 @@ def write_export(
     output: a file for a format of one file (``-`` for stdout), else a folder. The others as in ``export_of``.
     """
     from rota.files.atomic_write import require_target
+    from rota.files.flight_files import TABLE
 
     made = export_of(plan, to, origin=origin, start_time=start_time, settings=settings)
     kind = made.kind
@@ -59,9 +60,11 @@ def write_export(
     if kind.judges:
         mention_compiling(*compiled_packages(plan.mission))
     paths = made.write(output)
-    if kind.in_phase is not None:
+    if made.has_flights:
+        say(f"a file is a single flight; {Path(output) / TABLE} says which robot flies it, and when it starts")
+    elif kind.in_phase is not None:
         say(f"what keeps robots in phase: {kind.in_phase} (rota check --executed {to} judges that)")
-    if to in ARDUCOPTER.formats and (told := without_mass(made.plan, is_flown=True)) is not None:
+    if to in ARDUCOPTER.formats and (told := without_mass(made.plan, is_flown=not made.has_flights)) is not None:
         say(f"the plan is {told}")
     return paths
 

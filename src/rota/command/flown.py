@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from rota.command.executed import in_phase_every, table_of_worst
+from rota.command.executed import in_phase_every, require_no_flights, table_of_worst
 from rota.command.without_mass import WORTH_SAYING
 from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
@@ -161,6 +161,7 @@ def fly_by(
     from rota.vehicles.presets import vehicle_named
 
     export_format(name, "--executed")
+    require_no_flights(plan)
     known, winds = vehicle_named(vehicle), _winds_of(plan) if wind is None else _winds_given(wind)
     if origin is not None:
         plan = place_for(plan, origin, name)

@@ -69,6 +69,8 @@ def fly(
         return
     _require_sense(plan, start, yes, pause, home, _only_started(yes, seconds, hands_off, log))
     answer = read_plan_argument(plan)
+    if not (pause or home):
+        _require_no_reliefs(answer)
     left_alone = hands_off and link == "mavlink" and not any(text.startswith("way=") for text in settings or ())
     # targets need somebody who sends them
     chosen = [*(settings or ()), "way=mission"] if left_alone else settings
@@ -110,6 +112,17 @@ def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, o
         raise RotaError(f"{only_started[0]}: is for --start only")
     if start and not yes and (plan == STANDARD_STREAM or not sys.stdin.isatty()):
         raise RotaError("--start: somebody has to say yes on a terminal; scripts give --yes")
+
+
+def _require_no_reliefs(plan: Plan) -> None:
+    """Raise RotaError for a plan whose robots charge."""
+    from rota.routes.flights import recharges
+
+    if recharges(plan):
+        raise RotaError(
+            "the plan's robots charge, and rota fly cannot send them back and relieve them: rota export writes their"
+            " single flights, with a table of when each starts"
+        )
 
 
 def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> str:

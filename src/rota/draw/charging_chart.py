@@ -17,10 +17,11 @@ from matplotlib.patheffects import withStroke
 from rota.draw.batteries import Battery, batteries_of
 from rota.draw.mission_picture import FONT_PT, plain
 from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, RESERVE, RESTS, pale, route_style
-from rota.draw.routes import loop_letter, service_in
+from rota.draw.routes import service_in
 from rota.draw.two_maps import Chart
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import flights_of
+from rota.routes.served_loops import loop_letter
 
 UNITS = ((3 * 3600.0, 3600.0, "h"), (300.0, 60.0, "min"), (0.0, 1.0, "s"))  # from which span on, its seconds, its name
 STEPS = (1, 2, 5, 10, 15, 20, 30, 60, 100, 150, 200, 300, 500, 1000)

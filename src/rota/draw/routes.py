@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import flights_of, recharges
-from rota.routes.served_loops import Service, corners, same_ring, service_of
+from rota.routes.served_loops import Service, corners, loop_letter, same_ring, service_of
 
 Floats = NDArray[np.float64]
 
@@ -76,12 +76,6 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
 def service_in(plan: Plan) -> Service:
     """What the flights of the robots that charge serve: those of ``flights_of``, robot by robot."""
     return service_of([flight for one in plan if one.charges for flight in flights_of(one)])
-
-
-def loop_letter(number: int) -> str:
-    """What the loop of a number from 0 on is called: A to Z, then AA and so on."""
-    head, last = divmod(number, 26)
-    return (loop_letter(head - 1) if head else "") + chr(ord("A") + last)
 
 
 def _loops_in_turns(plan: Plan) -> Iterator[Route]:

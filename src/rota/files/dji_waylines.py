@@ -24,6 +24,7 @@ from rota.files.xml_text import decimal_text
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, setting
 from rota.routes.driven_route import DURATION_S, from_start, rounds_within, with_whole_waits
+from rota.routes.flights import ends_on_charger
 from rota.routes.route import RouteStop, route_of, start_height_m
 
 TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
@@ -46,6 +47,11 @@ PASSING, STOPPING = "coordinateTurn", "toPointAndStopWithDiscontinuityCurvature"
 DRONES = {
     "M300": (60, 0), "M350": (89, 0), "M30": (67, 0), "M30T": (67, 1), "M3E": (77, 0), "M3T": (77, 1), "M3M": (77, 2),
     "M3D": (91, 0), "M3TD": (91, 1), "M4E": (99, 0), "M4T": (99, 1),
+}  # fmt: skip
+# the longest flights that DJI tells of each model
+MOST_MINUTES = {
+    "M300": 55, "M350": 55, "M30": 41, "M30T": 41, "M3E": 45, "M3T": 45, "M3M": 43, "M3D": 50, "M3TD": 50, "M4E": 49,
+    "M4T": 49,
 }  # fmt: skip
 DroneName = Literal["M300", "M350", "M30", "M30T", "M3E", "M3T", "M3M", "M3D", "M3TD", "M4E", "M4T"]
 
@@ -133,6 +139,16 @@ def _on_globe(robot: str, stops: Sequence[RouteStop], projection: Projection) ->
     return [Waypoint(*row) for row in zip(*columns, strict=True)]
 
 
+def _require_short(robot: str, lasts_s: float, drone: str) -> None:
+    """Raise PlanError for a flight of so many seconds that is longer than an aircraft of the model flies."""
+    most_s = 60.0 * MOST_MINUTES[drone]
+    if lasts_s > most_s:
+        raise PlanError(
+            f"robot {robot}: its flight takes {lasts_s / 60:.1f} min; an {drone} flies for {MOST_MINUTES[drone]} min at"
+            " most: plan with a lower fleet.endurance_s"
+        )
+
+
 def _require_flyable(robot: str, speed_m_s: float, height_m: float) -> None:
     """Raise PlanError for a highest speed or height beyond DJI's."""
     if speed_m_s > MOST_SPEED_M_S:
@@ -153,8 +169,11 @@ def _require_flyable(robot: str, speed_m_s: float, height_m: float) -> None:
 def kmz_of(plan: Plan, trajectory: Trajectory, projection: Projection, settings: WaylineSettings) -> bytes:
     """The archive with both documents."""
     waypoints = waypoints_of(plan, trajectory, projection, settings.duration_s)
-    stays = trajectory.loop_duration_s == 0
-    config = _mission_config(waypoints, settings.drone, stays)
+    finish = "noAction" if trajectory.loop_duration_s == 0 else "goHome"
+    if ends_on_charger(trajectory):
+        _require_short(trajectory.robot, trajectory.charges[-1].from_s, settings.drone)
+        finish = "autoLand"
+    config = _mission_config(waypoints, settings.drone, finish)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, parts in (
@@ -166,15 +185,15 @@ def kmz_of(plan: Plan, trajectory: Trajectory, projection: Projection, settings:
     return packed.getvalue()
 
 
-def _mission_config(waypoints: list[Waypoint], drone: str, stays: bool) -> str:
+def _mission_config(waypoints: list[Waypoint], drone: str, finish: str) -> str:
     """The block that tells the drone, its take-off height and what it does at the end."""
     kind, subkind = DRONES[drone]
     safe_m = min(max(waypoints[0].height_m, LEAST_TAKEOFF_M), MOST_TAKEOFF_M)
     speed_m_s = max(waypoint.speed_m_s for waypoint in waypoints)
-    # who patrols flies home when all rounds are flown; who watches one place stays there
+    # who patrols flies home when all rounds are flown; who watches one place stays there; who charges lands to do so
     return (
         "<wpml:missionConfig>\n<wpml:flyToWaylineMode>safely</wpml:flyToWaylineMode>\n"
-        f"<wpml:finishAction>{'noAction' if stays else 'goHome'}</wpml:finishAction>\n"
+        f"<wpml:finishAction>{finish}</wpml:finishAction>\n"
         "<wpml:exitOnRCLost>executeLostAction</wpml:exitOnRCLost>\n"
         "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
         f"<wpml:takeOffSecurityHeight>{safe_m!r}</wpml:takeOffSecurityHeight>\n"

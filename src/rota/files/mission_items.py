@@ -19,7 +19,7 @@ from rota.routes.route import Route, RouteStop, route_of
 
 Autopilot = Literal["ardupilot", "px4"]
 
-WAYPOINT, LOITER_UNLIMITED, TAKEOFF, DO_JUMP, DO_CHANGE_SPEED = 16, 17, 22, 177, 178
+WAYPOINT, LOITER_UNLIMITED, LAND, TAKEOFF, DO_JUMP, DO_CHANGE_SPEED = 16, 17, 21, 22, 177, 178
 FRAME_MISSION, FRAME_RELATIVE_ALTITUDE = 2, 3
 ENDLESS_REPEATS = {"ardupilot": -1, "px4": 65535}
 DEGREE_DIGITS = 9
@@ -50,7 +50,9 @@ def mission_items(
 ) -> list[Item]:
     """One robot's items, numbered from 1: takeoff to the fleet's altitude, approach, loop, a jump back for ever.
 
-    A robot that stays loiters at its last position. Pauses become the hold time of a waypoint. A third coordinate of
+    A robot that stays loiters at its last position; one that ends on a charger lands there.
+
+    Pauses become the hold time of a waypoint. A third coordinate of
     positions is taken as the altitude over the take-off point. The jump names its target by the number of the item,
     which is ``doJumpId`` in QGroundControl's plans and the sequence number where home is item 0. ArduPilot takes -1
     repeats as for ever; PX4 counts them in 16 bits without a sign and may take -1 as none, so it repeats 65,535 times.
@@ -73,7 +75,9 @@ def route_items(route: Route, projection: Projection, *, autopilot: Autopilot) -
     for stop in _on_globe(route.approach, projection):
         items.add_stop(stop)
     loop = _on_globe(route.loop, projection)
-    if route.closing is None:
+    if route.lands:
+        items.add_landing(loop[0])
+    elif route.closing is None:
         items.add_endless_stay(loop[0])
     else:
         (closing,) = _on_globe([route.closing], projection)
@@ -153,6 +157,11 @@ class _Items:
         while (left_s := left_s - MOST_HOLD_S) > 0 and len(self.items) <= MOST_ITEMS:
             self.add(WAYPOINT, FRAME_RELATIVE_ALTITUDE, [min(left_s, MOST_HOLD_S), 0, 0, None, *stop.place])
         return number
+
+    def add_landing(self, stop: _Stop) -> None:
+        """Add the last waypoint and a landing below it."""
+        self.add_stop(stop)
+        self.add(LAND, FRAME_RELATIVE_ALTITUDE, [0, 0, 0, None, *stop.place[:2], 0])
 
     def add_endless_stay(self, stop: _Stop) -> None:
         """Add loitering without end."""

@@ -18,6 +18,7 @@ from rota.files.robot_files import write_robot_files
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.routes.fence import FENCE_MARGIN_M, fence_of
+from rota.routes.flights import ends_on_charger
 from rota.routes.route import Ring
 
 Json = dict[str, Any]
@@ -79,7 +80,13 @@ def _item_to_json(number: int, item: Item) -> Json:
 
 
 def _description(plan: Plan, trajectory: Trajectory) -> str:
-    """What the mission file says of itself: whose it is, how long its loop takes, who starts with it."""
+    """What the mission file says of itself: whose it is, how long its loop or flight takes, who starts with it."""
+    if ends_on_charger(trajectory):
+        landing = trajectory.charges[-1]
+        return (
+            f"{plan.mission.name}, flight {trajectory.robot}: it lands on {landing.charger} {landing.from_s:.1f} s"
+            " after its start, wind, braking, climb and descent aside. flights.csv says when it starts."
+        )
     others = ", ".join(t.robot for t in plan.trajectories if t is not trajectory)
     company = f" Planned together with {others}, all starting at the same instant." if others else ""
     loop = (

@@ -13,6 +13,7 @@ import numpy as np
 
 from rota.model.plan import Trajectory, Waypoints
 from rota.routes.constant_speeds import at_constant_speeds
+from rota.routes.flights import ends_on_charger
 from rota.routes.passed_stops import PassedStop, passed_stops, without_slight
 
 SLIGHT_M = 0.05  # corners that bend the way by less are no stops
@@ -72,7 +73,7 @@ class Route:
     from the approach once and from ``closing``, which has the same place, ever after. closing None: the robot stays at
     the loop's only stop. planned: the way itself of a robot whose speed changes along its legs, at constant speeds on
     shorter ones, for those who drive by a clock; None: straight from stop to stop. rally_m: where it may land, (x, y,
-    height on the way there), when it returns by itself.
+    height on the way there), when it returns by itself. lands: it lands where it stays.
     """
 
     robot: str
@@ -82,6 +83,7 @@ class Route:
     closing: RouteStop | None
     fence: Fence | None = None
     rally_m: tuple[Place3, ...] = ()
+    lands: bool = False
     planned: Trajectory | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -105,8 +107,11 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
     Pauses become waits. Stops without a wait are left out where another stands for the same place: the start at the
     approach's beginning, the loop's first stop at the approach's end. Corners that are cut are stops where their
     straight ways meet, each with the greatest speed on the way there; those that bend the way by less than 5 cm are
-    none. Where the loop begins in the midst of a way, its stops begin with the next corner.
+    none. Where the loop begins in the midst of a way, its stops begin with the next corner. A robot that ends on a
+    charger lands there.
     """
+    if ends_on_charger(trajectory):
+        return replace(route_of(_until_landing(trajectory), altitude_m), lands=True)
     if trajectory.waypoints is not None:
         return _route_by_waypoints(trajectory, trajectory.waypoints, altitude_m)
     if trajectory.accelerations_m_s2 is not None:
@@ -128,6 +133,22 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
         approach=tuple(approach),
         loop=tuple(loop),
         closing=closing,
+    )
+
+
+def _until_landing(trajectory: Trajectory) -> Trajectory:
+    """The trajectory of a robot that stays over the charger instead of on it."""
+    lands_s = trajectory.charges[-1].from_s
+    flown = int(np.searchsorted(trajectory.times_s, lands_s)) + 1
+    headings, accelerations = trajectory.headings_rad, trajectory.accelerations_m_s2
+    return replace(
+        trajectory,
+        times_s=trajectory.times_s[:flown],
+        positions_m=trajectory.positions_m[:flown],
+        headings_rad=None if headings is None else headings[:flown],
+        accelerations_m_s2=None if accelerations is None else accelerations[: flown - 1],
+        loop_start_s=lands_s,
+        charges=trajectory.charges[:-1],
     )
 
 

@@ -82,6 +82,12 @@ def service_of(flights: Sequence[Flight]) -> Service:
     return Service(loops=loops, serves=serves, ways_m=_ways(kinds, cuts))
 
 
+def loop_letter(number: int) -> str:
+    """What the loop of a number from 0 on is called: A to Z, then AA and so on."""
+    head, last = divmod(number, 26)
+    return (loop_letter(head - 1) if head else "") + chr(ord("A") + last)
+
+
 def _flat(flight: Flight) -> Floats:
     return flight.positions_m[:, :2]
 

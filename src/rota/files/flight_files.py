@@ -1,0 +1,71 @@
+"""Files for the single flights of a plan whose robots charge, and the table that says when each is to start."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rota.files.atomic_write import write_atomically
+from rota.files.spreadsheet_cells import as_cells
+from rota.model.plan import Plan
+from rota.routes.flights import Flight, plan_of_flights
+from rota.routes.served_loops import loop_letter, service_of
+
+TABLE = "flights.csv"
+COLUMNS = (
+    "files", "robot", "number", "starts_s", "every_s", "lasts_s", "length_m", "serves", "from_charger", "charger",
+    "charges_s",
+)  # fmt: skip
+
+
+def write_flights(
+    plan: Plan, folder: str | os.PathLike[str], write: Callable[[Plan], tuple[Path, ...]]
+) -> tuple[Path, ...]:
+    """Write the single flights of a plan by ``write``, and ``flights.csv`` beside them; returns all paths.
+
+    starts_s: seconds after the plan's start at which the flight first begins. It is below 0 for flights under way at
+    that time. It begins again every ``every_s`` seconds; empty: it is flown once. serves: the loop's letter in
+    pictures. Robots that do not charge have their files as ever, and no row. Raises as ``write``.
+    """
+    made, flights = plan_of_flights(plan)
+    paths = write(made)
+    of_one = len(paths) // max(len(made), 1)  # files
+    names = {one.robot: paths[k * of_one : (k + 1) * of_one] for k, one in enumerate(made)}
+    own = [files for name, files in names.items() if made[name].charges]
+    table = Path(folder) / TABLE
+    write_atomically(table, flights_table(flights, own))
+    return (*paths, table)
+
+
+def flights_table(flights: Sequence[Flight], files: Sequence[Sequence[Path]]) -> str:
+    """The text of the table: a row for each flight, in the order in which they begin; times in seconds to the ms."""
+    serves = service_of(flights).serves
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(COLUMNS)
+    for k in sorted(range(len(flights)), key=lambda k: flights[k].starts_s):
+        flight = flights[k]
+        length_m = float(np.linalg.norm(np.diff(flight.positions_m, axis=0), axis=1).sum())
+        rows.writerow(
+            as_cells(
+                [
+                    " ".join(path.name for path in files[k]),
+                    flight.robot,
+                    flight.number,
+                    round(flight.starts_s, 3),
+                    round(flight.every_s, 3) or "",
+                    round(flight.lasts_s, 3),
+                    round(length_m, 3),
+                    loop_letter(serves[k]),
+                    flight.from_charger or "",
+                    flight.charger,
+                    round(flight.charges_s, 3),
+                ]
+            )
+        )
+    return text.getvalue()
