@@ -77,8 +77,11 @@ def _are_walls(ends_m: Floats, walls: Any, standing: Any, near_m: float) -> NDAr
     shapely.prepare(walls)
     shapely.prepare(standing)
     for share in ALONG:
-        places = shapely.points((1 - share) * ends_m[:, 0] + share * ends_m[:, 1])
-        are_walls &= shapely.dwithin(walls, places, near_m) & ~shapely.dwithin(standing, places, near_m)
+        left = np.flatnonzero(are_walls)
+        places = shapely.points((1 - share) * ends_m[left, 0] + share * ends_m[left, 1])
+        near = shapely.dwithin(walls, places, near_m)  # few are
+        near[near] = ~shapely.dwithin(standing, places[near], near_m)
+        are_walls[left] = near
     return are_walls
 
 
