@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from rota.cells.cell_map import cell_map_of, neighbours
+from rota.draw.charging_marks import FILM_COLOURS, ChargingMarks
 from rota.draw.deployment_maps import path_of
 from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain
@@ -25,6 +26,7 @@ from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
+from rota.routes.flights import recharges
 
 Floats = NDArray[np.float64]
 
@@ -66,9 +68,12 @@ class FilmFrames:
         self._canvas = FigureCanvasAgg(self._fig)
         self._draw_ground()
         self._draw_robots()
+        self._charging = ChargingMarks(plan, self._ax, self._marks, self._numbers) if recharges(plan) else None
         self._draw_margins()
         over = [*self._ax.patches[1:], *self._ax.texts]
-        self._moving = sorted([self._image, *over, self._trails, self._views, self._marks], key=Artist.get_zorder)
+        drawn = [self._image, *over, self._trails, self._views, self._marks]
+        drawn += [] if self._charging is None else self._charging.artists
+        self._moving = sorted(drawn, key=Artist.get_zorder)
         for artist in (*self._moving, self._clock):
             artist.set_animated(True)
         self._canvas.draw()  # type: ignore[no-untyped-call]
@@ -127,7 +132,8 @@ class FilmFrames:
         bar.set_label("time since last seen / period", fontsize=7.5, labelpad=1)
         yet = Patch(facecolor=NOT_SEEN_YET, label="not seen yet")
         corner = ((LEFT + 2.35) / wide, 0.52 / high)
-        self._fig.legend(handles=[yet], loc="upper left", bbox_to_anchor=corner, **LEGEND)
+        entries = [yet] if self._charging is None else [yet, *self._charging.legend()]
+        self._fig.legend(handles=entries, loc="upper left", bbox_to_anchor=corner, **LEGEND)
 
     def _trail(self, trajectory: Trajectory, time_s: float) -> Floats:
         """The robot's way until now, (n, 2) metres, n > 1; not more than once round its loop."""
@@ -146,6 +152,9 @@ class FilmFrames:
         for trajectory in self._plan:
             trails.append(self._trail(trajectory, time_s))
             places_m.append(trails[-1][-1])
+        if self._charging is not None:
+            self._charging.show(time_s, places_m)
+            self._views.set_edgecolor(self._marks.get_facecolor())
         if trails:
             self._trails.set_segments(trails)
             self._marks.set_offsets(np.array(places_m))
@@ -167,7 +176,8 @@ class FilmFrames:
 
     def key_colours(self) -> Frame:
         """Colours that must not be mixed with others, (n, 3): the robots' own, black and white."""
-        named = dict.fromkeys([*self._colours, "black", "white"])
+        bars = () if self._charging is None else FILM_COLOURS
+        named = dict.fromkeys([*self._colours, "black", "white", *bars])
         return np.array([[round(255 * part) for part in to_rgb(colour)] for colour in named], dtype=np.uint8)
 
     def sample(self) -> Frame:

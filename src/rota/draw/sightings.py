@@ -15,6 +15,7 @@ from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, wall
 from rota.draw.routes import corner_times_s
 from rota.model.mission import DiscSensor, Sensor, inner_reach_m
 from rota.model.plan import Plan
+from rota.routes.flights import on_charger
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -66,15 +67,19 @@ class Sightings:
             places_m = trajectory.at(times_s)
             # of a wait only its end counts
             moves = np.append((places_m[2:] != places_m[1:-1]).any(axis=1), True)
+            if trajectory.charges:  # on a charger it sees nothing, and just before it counts
+                docked = on_charger(trajectory, (times_s[:-1] + times_s[1:]) / 2)
+                moves = (moves | np.append(docked[1:], False)) & ~docked
             for k in np.flatnonzero(moves):
                 leg_m = places_m[k : k + 2]
                 self._look(sensor_from(robot.sensor, leg_m), leg_m[:, :2], float(times_s[k + 1]))
 
     def footprints(self, time_s: float) -> list[BaseGeometry]:
-        """What each robot sees at ``time_s``, in the order of the plan; nothing while it takes no part."""
+        """What each robot sees at ``time_s``, in the order of the plan; nothing while it takes no part or charges."""
         shapes = []
         for trajectory, robot in zip(self._plan, self._robots, strict=True):
-            if time_s < robot.joins_s or (robot.leaves_s is not None and time_s > robot.leaves_s):
+            away = time_s < robot.joins_s or (robot.leaves_s is not None and time_s > robot.leaves_s)
+            if away or on_charger(trajectory, np.array([time_s]))[0]:
                 shapes.append(GeometryCollection())
                 continue
             places_m = trajectory.at([time_s])

@@ -53,6 +53,17 @@ def ends_on_charger(trajectory: Trajectory) -> bool:
     return trajectory.loop_duration_s == 0 and bool(charges) and charges[-1].until_s == trajectory.times_s[-1]
 
 
+def on_charger(trajectory: Trajectory, times_s: Floats) -> NDArray[np.bool_]:
+    """Whether the robot is on a charger at each of the times (n,), in any round."""
+    if not trajectory.charges:
+        return np.zeros(len(times_s), np.bool_)
+    asked_s, first_s, round_s = np.asarray(times_s), trajectory.loop_start_s, trajectory.loop_duration_s
+    if round_s > 0:
+        asked_s = np.where(asked_s > first_s, first_s + np.mod(asked_s - first_s, round_s), asked_s)
+    docked = _legs_on_charger(trajectory)
+    return docked[np.clip(np.searchsorted(trajectory.times_s, asked_s, side="right") - 1, 0, len(docked) - 1)]
+
+
 def flights_of(trajectory: Trajectory) -> tuple[Flight, ...]:
     """The flights of a robot that charges, in the order in which they begin; none of one that stays on its charger.
 
