@@ -36,6 +36,8 @@ pictures: demo
 	$(BIN)/rota plan examples/harbour.yaml --effort quick -o out/at-once.rota.json
 	$(BIN)/rota draw out/at-once.rota.json -o docs/harbour.png
 	$(BIN)/rota rehearse out/at-once.rota.json --failures-per-hour 0.01 --speed-noise 2% -o docs/rehearsal.png
+	$(BIN)/rota plan examples/port-relief.yaml --effort quick -o out/port-relief.rota.json
+	$(BIN)/rota draw out/port-relief.rota.json -o docs/port-relief.png
 	$(BIN)/rota plan examples/coast.yaml -o out/coast.rota.json
 	$(BIN)/rota draw out/coast.rota.json -o docs/coast.png
 	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json

@@ -7,19 +7,28 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
 
-from rota.draw.mission_picture import FONT_PT, plain
+from rota.draw.mission_picture import FONT_PT, plain, points_per_metre
 from rota.draw.palette import CHARGER, CHARGER_INK
 from rota.model.mission import Mission
 
+Floats = NDArray[np.float64]
+
 SIDE_PT, BOLT_PT, BESIDE_PT = 9.5, 7.0, 7.5
+NEAR_PT = 40.0  # within which marks are in a name's way
+NOWHERE: Floats = np.zeros((0, 2))
 # a bolt from its upper end on, within -1 .. 1
 BOLT = Path(np.array([(0.25, 1), (-0.65, -0.15), (-0.05, -0.15), (-0.25, -1), (0.65, 0.2), (0.05, 0.2), (0.25, 1)]))
 
 
-def draw_chargers(mission: Mission, ax: Axes, *, named: bool = True) -> None:
-    """A mark at each charger on ``ax``, whose limits are set, and its name on the side where there is more room."""
+def draw_chargers(mission: Mission, ax: Axes, *, named: bool = True, marks_m: Floats = NOWHERE) -> None:
+    """A mark at each charger on ``ax``, whose limits are set, and its name on the side where there is more room.
+
+    marks_m: (n, 2), where other marks are; a name keeps away from those nearby.
+    """
     left, right = ax.get_xlim()
+    near_m = NEAR_PT / points_per_metre(ax)
     for charger in mission.chargers:
         x, y = charger.at
         for marker, size_pt, face in (("s", SIDE_PT, CHARGER), (BOLT, BOLT_PT, CHARGER_INK)):
@@ -29,7 +38,10 @@ def draw_chargers(mission: Mission, ax: Axes, *, named: bool = True) -> None:
             )  # fmt: skip
         if not named:
             continue
-        on_left = x > left + 0.75 * (right - left)
+        beside_m = marks_m[:, 0][np.hypot(*(marks_m - (x, y)).T) < near_m] - x
+        # those right above or below are in no name's way
+        crowded = np.sign(beside_m[np.abs(beside_m) > near_m / 4].sum())
+        on_left = crowded > 0 or (crowded == 0 and x > left + 0.75 * (right - left))
         label = ax.annotate(
             plain(charger.name, 28),
             (x, y),

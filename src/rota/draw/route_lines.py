@@ -179,11 +179,12 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
         for robot in route.robots:
             _draw_approach(ax, plan, robot, colour)
     chargers_m = np.array([charger.at for charger in plan.mission.chargers]).reshape(-1, 2)
+    marks = _marks_of(plan, routes)
     if recharges(plan):
         for way_m in service_in(plan).ways_m:
             ax.plot(*way_m.T, color=WAY, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
-        draw_chargers(plan.mission, ax)
-    _draw_marks(ax, _marks_of(plan, routes), chargers_m)
+        draw_chargers(plan.mission, ax, marks_m=np.array([place_m for _, place_m, _ in marks]).reshape(-1, 2))
+    _draw_marks(ax, marks, chargers_m)
 
 
 def brief_label(route: Route) -> str:
