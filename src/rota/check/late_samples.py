@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from rota.check.seeable import seeable_ground
 from rota.check.tiled_ground import tiles_of
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import NO_LENGTH, PERIOD_TOLERANCE, slack_of
-from rota.model.mission import DiscSensor
+from rota.model.mission import DiscSensor, Mission
 from rota.model.plan import Plan, Seam
 
 Floats = NDArray[np.float64]
@@ -35,7 +36,8 @@ def sample_lateness(plan: Plan, most_points: int) -> LateSample:
     mission, bounds_m = plan.mission, plan.mission.area.bounds
     routes = seeing_routes(routes_of(plan), plan)
     sights, demands = sights_along(routes, sensors_of(plan), mission, bounds_m), demands_of(mission)
-    points = {k: _some_points(sights, plan, k, most_points) for k, d in enumerate(demands) if d.demand == "every_point"}
+    every = [k for k, demand in enumerate(demands) if demand.demand == "every_point"]
+    points = {k: _some_points(mission, _reach_m(sights), k, most_points) for k in every}
     unseen_m2, ratios = 0.0, [0.0]
     for k, (own, areas_m2) in points.items():
         gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demands[k].period_s)).gaps_s
@@ -65,17 +67,26 @@ def sample_lateness(plan: Plan, most_points: int) -> LateSample:
     )
 
 
-def _some_points(sights: Sights, plan: Plan, k: int, most_points: int) -> tuple[Floats, Floats]:
-    """Middles (n, 2) of tiles of a demand that somebody can see, and the ground (n,) that each stands for."""
-    pieces, owners = tiles_of(plan.mission, sights)
+@functools.lru_cache(maxsize=32)
+def _some_points(mission: Mission, reach_m: float, k: int, most_points: int) -> tuple[Floats, Floats]:
+    """Middles (n, 2) of tiles of a demand that somebody can see, and the ground (n,) that each stands for.
+
+    The plans of a search are compared at the same ones.
+    """
+    pieces, owners = tiles_of(mission, reach_m)
     own = np.flatnonzero(owners == k)
     if not len(own):
         return np.empty((0, 2)), np.empty(0)
     chosen = own[np.unique(np.linspace(0, len(own) - 1, most_points).astype(np.int64))]
     points = pieces.choose(chosen).centres_m()
-    seeable = seeable_ground(plan.mission).sees(point_pieces(points))
+    seeable = seeable_ground(mission).sees(point_pieces(points))
     share_m2 = pieces.choose(own).areas_m2().sum() / max(1, np.count_nonzero(seeable))
     return points[seeable], np.full(np.count_nonzero(seeable), share_m2)
+
+
+def _reach_m(sights: Sights) -> float:
+    """The shortest reach of the team."""
+    return float(sights.team.reaches_m.min(initial=math.inf))
 
 
 # ---------------------------------------------------------------- what is seen before and after
@@ -168,7 +179,7 @@ def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) ->
     """What the middles of all tiles say of a demand, or the visits to it."""
     if demand.demand == "visit":
         return _sample_of_visits(sights, plan, demand)
-    pieces, owners = tiles_of(plan.mission, sights)
+    pieces, owners = tiles_of(plan.mission, _reach_m(sights))
     own = pieces.choose(owners == k)
     while len(own) < ENOUGH:
         finer, _ = quarter(own, np.full((len(own), 3), np.nan), 2 * sights.slack_m)

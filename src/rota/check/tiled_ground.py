@@ -87,9 +87,9 @@ def tile_and_refine(
     return findings
 
 
-def tiles_of(mission: Mission, sights: Sights) -> tuple[Pieces, Ints]:
-    """The tiles of all demands that ask for every point, and the index of each one's demand."""
-    return _tiles(mission, _tile_m(mission, float(sights.team.reaches_m.min(initial=math.inf)), FINEST_M))[:2]
+def tiles_of(mission: Mission, reach_m: float) -> tuple[Pieces, Ints]:
+    """The tiles of all demands that ask for every point, and the index of each one's demand; reach_m: the shortest."""
+    return _tiles(mission, _tile_m(mission, reach_m, FINEST_M))[:2]
 
 
 def _unfilled_demands(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
