@@ -267,5 +267,6 @@ LONG = (
     "city",
     "stopping",
     "foreign-agvs",
+    "replans",
     "suite",
 )  # a quarter of an hour and more: measured only when named, or with --all

@@ -48,6 +48,8 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
     if len(before_s) == 1:
         return []
     lasts_s = -float(before_s[0])
+    if (np.diff(trajectory.times_s + lasts_s) <= 0).any():  # a leg so short that it is no leg a little later
+        return [violation("turn", robot.name, trajectory.positions_m[0, :2], 0.0, 0.0, SAME_TIME, "s")]
     given = [driven.accelerations_m_s2, trajectory.accelerations_m_s2]
     legs = [len(before_s) - 1, len(trajectory.times_s) - 1]
     changes = [

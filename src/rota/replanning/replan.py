@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import chain, islice
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from rota.errors import MissionError, NoPlanFound
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rota.model.mission import Mission
     from rota.model.plan import Plan, Trajectory
 
-FIRST = 3  # plans of which the first answer is the least late
+FIRST = 4  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
 POINTS = 150  # of each demand that plans are compared at
 RATIO_DIGITS, LATE_DIGITS = 2, 1  # to which plans are compared: sample points are no nearer to the worst ones
@@ -123,12 +123,21 @@ class _Search:
             lateness=self._sample, most=most,
         )  # fmt: skip
         plans = iter(self._planner.takeovers(asked))
-        ranked = sorted(((self._sample(plan), k, plan) for k, plan in enumerate(islice(plans, FIRST))))
-        for sampled, _, plan in chain(ranked, ((self._sample(plan), 0, plan) for plan in plans)):
-            if self.is_done or (self._stop() and self._best is not None):
+        # on lanes the second plan takes seconds
+        first = islice(plans, 1 if situation.mission.lanes else FIRST)
+        ranked = sorted((self._sample(plan), k, plan) for k, plan in enumerate(first))
+        for sampled, _, plan in ranked:
+            if self._is_over():
                 return
             if self._best is None or sampled < self._best_sampled:
                 self._try(plan)
+        while not self._is_over() and (other := next(plans, None)) is not None:
+            if self._best is None or self._sample(other) < self._best_sampled:
+                self._try(other)
+
+    def _is_over(self) -> bool:
+        """Whether there is nothing to search, or no time left and a plan."""
+        return self.is_done or (self._stop() and self._best is not None)
 
     def look_for_better(self, progress: Callable[[float, str], None] | None) -> None:
         """Search for other rounds; each that is found is shared by the robots that remain."""

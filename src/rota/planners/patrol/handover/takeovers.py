@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from shapely import MultiPolygon
 
-from rota.errors import NoPlanFound
+from rota.errors import NoPlanFound, PlanError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
@@ -52,6 +52,8 @@ def takeovers(asked: Handover) -> Iterator[Plan]:
         return
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
+    for finer in takeover.finer:
+        yield from finer
 
 
 class _Option(NamedTuple):
@@ -107,6 +109,7 @@ class _Takeover:
             if is_clear(line.positions_m[:, :2], ground, self.standing[name].robot.body_radius_m)
         }
         self.rounds = self._rounds_in_reach(ground)
+        self.finer: list[Iterator[Plan]] = []  # plans like those before, at phases beside theirs
         self._joined: dict[tuple[int, ...], Round] = {}
 
     def plan(self, trajectories: dict[str, Trajectory]) -> Plan:
@@ -213,10 +216,7 @@ class _Takeover:
         return [option for option in every if option is not None]
 
     def _least_late(self, choices: list[list[_Option]]) -> Iterator[Plan]:
-        """The plan with the least late option of each share, chosen one after the other; none where one has none.
-
-        Then that with phases between these, nearer and nearer to the best.
-        """
+        """The plan with the least late option of each share, chosen one after the other; none where one has none."""
         if not all(choices):
             return
         found: dict[str, Trajectory] = {}
@@ -227,6 +227,10 @@ class _Takeover:
             if len(options) > 1:
                 found, best[k] = self._least_late_of(found, options)
         yield self.plan(found)
+        self.finer.append(self._finer(found, best))
+
+    def _finer(self, found: dict[str, Trajectory], best: list[_Option]) -> Iterator[Plan]:
+        """Plans with phases beside the best ones, nearer and nearer to them."""
         for _ in range(HALVINGS):
             finer = [option.beside() for option in best]
             if not any(finer):
@@ -268,6 +272,6 @@ class _Takeover:
                         accelerations_m_s2=line.accelerations_m_s2 if line.accelerations_m_s2.any() else None,
                     )
                 )  # fmt: skip
-        with suppress(NoPlanFound):
+        with suppress(NoPlanFound, PlanError):
             led = lead_from_starts(Plan(mission=self.mission, trajectories=tuple(loops)), self.mission, None)
             yield replace(led, seed=self.asked.seed, seam=self.asked.seam)
