@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tests.relieved import SQUARE_M, relieved
 from rota.draw.palette import CHARGES, RESERVE, RESTS, pale, route_style
 from rota.draw.plan_picture import plan_figure
 from rota.draw.routes import routes_of
+from rota.model.plan import Charge, Trajectory
 from rota.routes.served_loops import loop_letter
 
 
@@ -91,3 +93,13 @@ def test_charts_of_many_robots_name_as_many_as_there_is_room_for() -> None:
 
 def test_loops_have_letters() -> None:
     assert [loop_letter(k) for k in (0, 25, 26, 27, 701, 702)] == ["A", "Z", "AA", "AB", "ZZ", "AAA"]
+
+
+def test_a_robot_that_charges_once_and_then_flies_for_ever_is_drawn_with_its_loop() -> None:
+    plan = relieved(2)
+    once = Charge(charger="pad", from_s=0, until_s=30)
+    places = [(0, 0), (0, 0), (10, 0), (0, 0)]
+    gone = Trajectory(robot="robot-3", times_s=[0, 30, 40, 50], positions_m=places, loop_start_s=30, charges=(once,))
+    routes = routes_of(replace(plan, trajectories=(*plan.trajectories, gone)))
+    assert [(route.letter, route.robots) for route in routes] == [("A", (0, 1)), (None, (2,))]
+    assert plan_figure(replace(plan, trajectories=(gone,)), cells=400).axes[-1].get_xlabel() != "time (min)"

@@ -20,7 +20,7 @@ from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, RESERVE, RESTS, pa
 from rota.draw.routes import service_in
 from rota.draw.two_maps import Chart
 from rota.model.plan import Plan, Trajectory
-from rota.routes.flights import flights_of
+from rota.routes.flights import flights_of, has_flights
 from rota.routes.served_loops import loop_letter
 
 UNITS = ((3 * 3600.0, 3600.0, "h"), (300.0, 60.0, "min"), (0.0, 1.0, "s"))  # from which span on, its seconds, its name
@@ -78,7 +78,7 @@ def draw_charging(plan: Plan, ax: Axes) -> None:
     row_in = ax.get_window_extent().height / ax.figure.dpi / len(plan)
     for row, (trajectory, battery) in enumerate(zip(plan, batteries, strict=True)):
         flown: dict[int, Spans] = defaultdict(list)
-        for flight in flights_of(trajectory) if trajectory.charges else ():
+        for flight in flights_of(trajectory) if has_flights(trajectory) else ():
             loop = next(serves)
             flown[loop] += _within(flight.starts_s, flight.lasts_s, flight.every_s, until_s)
         for loop, spans in flown.items():

@@ -18,7 +18,7 @@ from rota.draw.mission_picture import points_per_metre
 from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on, route_style
 from rota.draw.routes import service_in
 from rota.model.plan import Plan
-from rota.routes.flights import flights_of, on_charger
+from rota.routes.flights import flights_of, has_flights, on_charger
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ def _colours_by_flight(plan: Plan) -> list[list[tuple[float, float, float, str]]
     return [
         [
             (flight.starts_s, flight.lasts_s, flight.every_s, route_style(next(serves))[0])
-            for flight in (flights_of(trajectory) if trajectory.charges else ())
+            for flight in (flights_of(trajectory) if has_flights(trajectory) else ())
         ]
         for trajectory in plan
     ]
@@ -128,7 +128,7 @@ def _spots(plan: Plan, ax: Axes, scale: float) -> list[Floats]:
     taken: list[Floats] = []
     found = []
     for trajectory in plan:
-        if not trajectory.charges:
+        if not has_flights(trajectory):
             found.append(trajectory.positions_m[0, :2])
             continue
         centre_m = chargers[trajectory.charges[0].charger]

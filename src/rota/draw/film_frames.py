@@ -26,7 +26,7 @@ from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
-from rota.routes.flights import recharges
+from rota.routes.flights import takes_turns
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ class FilmFrames:
         self._canvas = FigureCanvasAgg(self._fig)
         self._draw_ground()
         self._draw_robots()
-        self._charging = ChargingMarks(plan, self._ax, self._marks, self._numbers) if recharges(plan) else None
+        self._charging = ChargingMarks(plan, self._ax, self._marks, self._numbers) if takes_turns(plan) else None
         self._draw_margins()
         over = [*self._ax.patches[1:], *self._ax.texts]
         drawn = [self._image, *over, self._trails, self._views, self._marks]

@@ -22,7 +22,7 @@ from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
-from rota.routes.flights import recharges
+from rota.routes.flights import takes_turns
 
 FORMATS = (".png", ".svg", ".pdf")
 UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}
@@ -89,7 +89,7 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     if is_deployment(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), range_half(plan))
     routes = Half(
-        title=TURNS_TITLE if recharges(plan) else "Routes, numbered where each robot's loop starts",
+        title=TURNS_TITLE if takes_turns(plan) else "Routes, numbered where each robot's loop starts",
         draw=lambda ax: draw_routes(plan, ax),
         legend=[*route_legend(plan), *mission_legend(plan.mission)],
     )
@@ -104,7 +104,7 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
         scale_in=BAR + BAR_TEXT,
         scale=lambda fig, x, y, width: _colour_bar(fig, images[0], x, y - BAR, width),
     )
-    below = charging_chart(plan) if recharges(plan) else None
+    below = charging_chart(plan) if takes_turns(plan) else None
     return two_maps(plan.mission, _header(plan), routes, unseen, below)
 
 

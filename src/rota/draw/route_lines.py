@@ -16,7 +16,7 @@ from rota.draw.palette import DOCKED, ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of, service_in
 from rota.model.plan import Plan
 from rota.planning.plan_summary import round_off
-from rota.routes.flights import recharges
+from rota.routes.flights import has_flights, takes_turns
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def _draw_heads(ax: Axes, route: Route, colour: str, count: int, clear_m: float)
 
 def _draw_approach(ax: Axes, plan: Plan, robot: int, colour: str) -> None:
     trajectory = plan.trajectories[robot]
-    if trajectory.loop_index and not trajectory.charges:
+    if trajectory.loop_index and not has_flights(trajectory):
         way_m = trajectory.positions_m[: trajectory.loop_index + 1, :2]
         ax.plot(*way_m.T, color=colour, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
         ax.plot(*way_m[:1].T, color=colour, marker="s", markersize=3.5, markerfacecolor="white", zorder=3.9)
@@ -113,7 +113,7 @@ def _marks_of(plan: Plan, routes: tuple[Route, ...]) -> list[tuple[str, Floats, 
     marks = [
         (str(k + 1), trajectory.positions_m[trajectory.loop_index, :2], colours[k])
         for k, trajectory in enumerate(plan)
-        if not trajectory.charges
+        if not has_flights(trajectory)
     ]
     for k, route in enumerate(routes):
         if route.letter is not None:
@@ -180,7 +180,7 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
             _draw_approach(ax, plan, robot, colour)
     chargers_m = np.array([charger.at for charger in plan.mission.chargers]).reshape(-1, 2)
     marks = _marks_of(plan, routes)
-    if recharges(plan):
+    if takes_turns(plan):
         for way_m in service_in(plan).ways_m:
             ax.plot(*way_m.T, color=WAY, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
         draw_chargers(plan.mission, ax, marks_m=np.array([place_m for _, place_m, _ in marks]).reshape(-1, 2))
@@ -209,10 +209,10 @@ def route_legend(plan: Plan, *, brief: bool = False) -> list[Line2D]:
         entries.append(line)
     if len(routes) > LISTED_ROUTES:
         entries.append(Line2D([], [], linestyle="none", label=f"… and {len(routes) - LISTED_ROUTES} more loops"))
-    if any(trajectory.loop_index and not trajectory.charges for trajectory in plan):
+    if any(trajectory.loop_index and not has_flights(trajectory) for trajectory in plan):
         way = Line2D([], [], color=WAY, linewidth=0.8, linestyle=APPROACH, label="way from the start")
         entries.append(way)
-    if recharges(plan):
+    if takes_turns(plan):
         entries.append(
             Line2D([], [], color=WAY, linewidth=0.8, linestyle=APPROACH, label="way from a charger and back")
         )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.plan import Plan, Trajectory
-from rota.routes.flights import flights_of, recharges
+from rota.routes.flights import flights_of, has_flights, takes_turns
 from rota.routes.served_loops import Service, corners, loop_letter, same_ring, service_of
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
     routes = list(_loops_in_turns(plan))
     rings: list[Floats] = [np.empty((0, 2))] * len(routes)
     for index, trajectory in enumerate(plan):
-        if trajectory.charges:
+        if has_flights(trajectory):
             continue
         loop_m = trajectory.positions_m[trajectory.loop_index :, :2]
         ring = corners(loop_m) if trajectory.loop_duration_s > 0 else loop_m[:0]
@@ -75,12 +75,12 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
 
 def service_in(plan: Plan) -> Service:
     """What the flights of the robots that charge serve: those of ``flights_of``, robot by robot."""
-    return service_of([flight for one in plan if one.charges for flight in flights_of(one)])
+    return service_of([flight for one in plan if has_flights(one) for flight in flights_of(one)])
 
 
 def _loops_in_turns(plan: Plan) -> Iterator[Route]:
     """The loops that robots which charge take turns at."""
-    if not recharges(plan):
+    if not takes_turns(plan):
         return
     number_of = {trajectory.robot: number for number, trajectory in enumerate(plan)}
     for number, loop in enumerate(service_in(plan).loops):

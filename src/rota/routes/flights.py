@@ -47,6 +47,17 @@ def recharges(plan: Plan) -> bool:
     return any(trajectory.charges for trajectory in plan)
 
 
+def has_flights(trajectory: Trajectory) -> bool:
+    """Whether a robot charges and does so again and again, or to its end: then ``flights_of`` has its flights."""
+    later = any(charge.until_s > trajectory.loop_start_s for charge in trajectory.charges)
+    return ends_on_charger(trajectory) or (trajectory.loop_duration_s > 0 and later)
+
+
+def takes_turns(plan: Plan) -> bool:
+    """Whether what any robot does is flights, from charger to charger."""
+    return any(has_flights(trajectory) for trajectory in plan)
+
+
 def ends_on_charger(trajectory: Trajectory) -> bool:
     """Whether a robot ends on a charger for ever."""
     charges = trajectory.charges
