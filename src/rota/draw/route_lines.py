@@ -178,13 +178,15 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
         _draw_heads(ax, route, colour, int(np.clip(route.length_m / spacing_m, 3, 30)), 72 * ARROW_IN / scale)
         for robot in route.robots:
             _draw_approach(ax, plan, robot, colour)
-    chargers_m = np.array([charger.at for charger in plan.mission.chargers]).reshape(-1, 2)
+    # their names stand on either side, and marks keep off these, too
+    beside_m = np.arange(-4, 5) * MARK_PT / scale
+    chargers_m = np.array([(x + off_m, y) for x, y in (c.at for c in plan.mission.chargers) for off_m in beside_m])
     marks = _marks_of(plan, routes)
     if takes_turns(plan):
         for way_m in service_in(plan).ways_m:
             ax.plot(*way_m.T, color=WAY, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
         draw_chargers(plan.mission, ax, marks_m=np.array([place_m for _, place_m, _ in marks]).reshape(-1, 2))
-    _draw_marks(ax, marks, chargers_m)
+    _draw_marks(ax, marks, chargers_m.reshape(-1, 2))
 
 
 def brief_label(route: Route) -> str:
