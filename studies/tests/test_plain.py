@@ -79,6 +79,8 @@ def test_what_cannot_be_is_refused(value: object) -> None:
         ({"a": [1, 2.0]}, {"a": [1, 2.001]}, False),
         ({"a": [1]}, {"a": [1, 2]}, False),
         ({"a": 1}, {"b": 1}, False),
+        ({"a": 1, "b": []}, {"a": 1}, True),
+        ({"a": 1, "b": 0}, {"a": 1}, False),
         ([1], [1.0], True),
         (["1"], [1.0], False),
         ("inf", "inf", True),

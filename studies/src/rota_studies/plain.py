@@ -116,7 +116,9 @@ def _hints(kind: type) -> dict[str, Any]:
 
 
 def alike(one: Any, other: Any) -> bool:
-    """Whether two values as JSON are the same, but for how processors round; a field that is not there is null."""
+    """Whether two values as JSON are the same, but for rounding; fields that are not there are null or empty."""
+    if one is None or other is None:
+        return one in (None, []) and other in (None, [])
     if isinstance(one, dict) and isinstance(other, dict):
         return all(alike(one.get(name), other.get(name)) for name in one.keys() | other.keys())
     if isinstance(one, list) and isinstance(other, list):
