@@ -15,7 +15,7 @@ from rota.check.late_report import LateSample
 from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
 from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along
-from rota.check.routes import HOLD, LOOP, Routes, routes_of, sensors_of
+from rota.check.routes import HOLD, LOOP, Routes, routes_driven, routes_of, sensors_of
 from rota.check.seeable import seeable_ground
 from rota.check.tiled_ground import tiles_of
 from rota.check.timing_kernels import time_along
@@ -147,20 +147,7 @@ def _routes_before(seam: Seam) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]
         robots.append(np.full(len(t) - 1, k, np.int64))
     sensors, count = [driven.sensor for driven in seam.driven], len(seam.driven)
     reaches = [one.radius_m if isinstance(one, DiscSensor) else one.side_m / 2 for one in sensors]
-    legs_m = np.ascontiguousarray(np.vstack(legs))
-    routes = Routes(
-        legs_m=legs_m,
-        heights_m=np.full((len(legs_m), 2), np.nan),
-        times_s=np.ascontiguousarray(np.vstack(times)),
-        bends=np.concatenate(bends),
-        robots=np.concatenate(robots),
-        kinds=np.full(len(legs_m), LOOP, np.int64),
-        durations_s=np.zeros(count),
-        classes=np.arange(count, dtype=np.int64),
-        parts=np.ones(count, np.int64),
-        units_s=np.ones(count),
-        from_s=0.0,
-    )
+    routes = routes_driven(np.vstack(legs), np.vstack(times), np.concatenate(bends), np.concatenate(robots), count)
     squares = np.array([not isinstance(one, DiscSensor) for one in sensors], np.bool_)
     return routes, (np.array(reaches, np.float64), squares)
 

@@ -13,7 +13,7 @@ from rota.check.demands import demands_of
 from rota.check.judge import Verdicts, judge_points, judge_visits, too_much_excluded
 from rota.check.report import Outcome, Report
 from rota.check.revisits import sights_along
-from rota.check.routes import LOOP, Routes
+from rota.check.routes import Routes, routes_driven
 from rota.check.tiled_ground import tile_and_refine
 from rota.errors import PlanError
 from rota.model.mission import DiscSensor, Mission
@@ -115,18 +115,6 @@ def _drive(
             owners.append(np.full(np.count_nonzero(own), len(reaches), np.int64))
             reaches.append(float(reach) + tolerance_m)
             squares.append(not isinstance(sensor, DiscSensor))
-    legs_m, count = np.ascontiguousarray(np.vstack(legs)), len(reaches)
-    routes = Routes(
-        legs_m=legs_m,
-        heights_m=np.full((len(legs_m), 2), np.nan),
-        times_s=np.ascontiguousarray(np.vstack(times)),
-        bends=np.zeros(len(legs_m)),
-        robots=np.concatenate(owners),
-        kinds=np.full(len(legs_m), LOOP, np.int64),
-        durations_s=np.zeros(count),
-        classes=np.arange(count, dtype=np.int64),
-        parts=np.ones(count, np.int64),
-        units_s=np.ones(count),
-        from_s=0.0,
-    )
+    legs_m = np.vstack(legs)
+    routes = routes_driven(legs_m, np.vstack(times), np.zeros(len(legs_m)), np.concatenate(owners), len(reaches))
     return routes, (np.array(reaches, np.float64), np.array(squares, np.bool_))

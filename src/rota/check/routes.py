@@ -88,6 +88,23 @@ def routes_of(plan: Plan) -> Routes:
     )
 
 
+def routes_driven(legs_m: Floats, times_s: Floats, bends: Floats, robots: Ints, count: int) -> Routes:
+    """What ``count`` robots drove once, each by itself: legs (m, 4), times (m, 2), bends and robots (m,)."""
+    return Routes(
+        legs_m=np.ascontiguousarray(legs_m),
+        heights_m=np.full((len(legs_m), 2), np.nan),
+        times_s=np.ascontiguousarray(times_s),
+        bends=bends,
+        robots=robots,
+        kinds=np.full(len(legs_m), LOOP, np.int64),
+        durations_s=np.zeros(count),
+        classes=np.arange(count, dtype=np.int64),
+        parts=np.ones(count, np.int64),
+        units_s=np.ones(count),
+        from_s=0.0,
+    )
+
+
 def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, Ints, Floats]:
     """Classes of loops that share a period: (k,) class, (k,) duration in units of its class, (classes,) units in s.
 
