@@ -14,6 +14,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.charging_bound import charging_bound, charging_of
 from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.ground.problem import set_up_problem
@@ -43,13 +44,18 @@ def endless(mission: Mission) -> Mission:
 
     Periods are shorter by what it takes to pass on a loop from body to body.
     """
-    fleet, clearance_s = replace(mission.fleet, robots=None, battery=ENDLESS), clearance_of(mission)
+    clearance_s = clearance_of(mission)
 
     def shorter_s(period_s: float | None) -> float | None:
         return None if period_s is None else max(period_s - clearance_s, period_s / 2)
 
     zones = tuple(replace(zone, period_s=shorter_s(zone.period_s)) for zone in mission.zones)
-    return replace(mission, fleet=fleet, chargers=(), period_s=shorter_s(mission.period_s), zones=zones)
+    return replace(without_batteries(mission), period_s=shorter_s(mission.period_s), zones=zones)
+
+
+def without_batteries(mission: Mission) -> Mission:
+    """The mission as it is asked, but for batteries and the number of robots: what bounds are proved for."""
+    return replace(mission, fleet=replace(mission.fleet, robots=None, battery=ENDLESS), chargers=())
 
 
 def clearance_of(mission: Mission) -> float:
@@ -65,9 +71,12 @@ def plan_with_relief(mission: Mission, *, seed: int, judge: Judge, search: Calla
     ``relieve`` does.
     """
     require_reach(mission)
-    bound = charging_bound(set_up_problem(endless(mission)), mission)
+    problem = set_up_problem(without_batteries(mission))
+    bound = charging_bound(problem, mission)
     loops = search(endless(mission))
     always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
+    if clearance_of(mission) > 0:  # the search proved it for shorter periods than are asked
+        always = prove_bound(problem)
     best = max_of([always, bound])
     proved = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
     return relieve(proved, mission, seed=seed, judge=judge)
