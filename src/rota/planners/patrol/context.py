@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, wait
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submit_with
@@ -147,7 +148,9 @@ def with_best_bound(context: Context) -> Context:
     """The search with the highest of all bounds; with the one it has where it is to stop."""
     if not context.proves_later or context.should_stop():
         return context
-    bound, enough_robots = what_is_proved(context.problem, context.asked, prove_bound)
+    bound, enough_robots = what_is_proved(
+        context.problem, context.asked, partial(prove_bound, should_stop=context.should_stop)
+    )
     return replace(context, bound=bound, enough_robots=enough_robots, proves_later=False)
 
 

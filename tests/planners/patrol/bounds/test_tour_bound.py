@@ -134,6 +134,14 @@ def test_known_bounds_are_kept_and_many_robots_are_not_asked_about() -> None:
     assert tour_bound(places(ends[:0], 0.0, []), ROBOT, 1, 100).robots == 1
 
 
+def test_what_is_proved_before_a_stop_is_kept() -> None:
+    ends = [(0.0, 0.0), (10.0, 0.0), (0.0, 100.0), (10.0, 100.0)]
+    needs_four = places(ends, 0.0, [9.9 / SPEED_M_S] * 4)
+    for looks, robots in ((0, 1), (1, 2), (2, 3), (100, 4)):
+        left = iter(range(looks))
+        assert tour_bound(needs_four, ROBOT, 1, 1000, lambda left=left: next(left, None) is None).robots == robots
+
+
 def test_nothing_is_proved_of_what_robots_on_a_lattice_can_do() -> None:
     rng = np.random.default_rng(0)
     exact = 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -41,11 +41,13 @@ def prove_by_area(problem: Problem) -> ProvedBound:
     return max_of([SOMETHING_ASKED, _by_areas(regions, seeable_m2, robot)])
 
 
-def prove_bound(problem: Problem, *, tours: bool = True) -> ProvedBound:
+def prove_bound(
+    problem: Problem, *, tours: bool = True, should_stop: Callable[[], bool] = lambda: False
+) -> ProvedBound:
     """The highest of all lower bounds for the problem's mission; of equal ones the simplest proof.
 
     Nothing that can be seen gives 0. Every bound is for a robot as good as the best of the fleet in all respects.
-    tours: orders of places are looked at, too, which takes longer than all else.
+    tours: orders of places are looked at, too, which takes longer than all else; not any further once ``should_stop``.
     """
     if not len(problem.points):
         return NOTHING_ASKED
@@ -62,9 +64,9 @@ def prove_bound(problem: Problem, *, tours: bool = True) -> ProvedBound:
         straight_chain_bound(problem, robot),
     ]
     if witnesses.components > 1:
-        proofs.append(_by_components(witnesses, robot, visits, states))
+        proofs.append(_by_components(witnesses, robot, visits, states, should_stop))
     best = max_of(proofs)
-    return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states)])
+    return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states, should_stop)])
 
 
 def _by_areas(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot) -> ProvedBound:
@@ -90,14 +92,16 @@ def asks_for_visits(problem: Problem) -> bool:
     return len(problem.regions) > 1 and len(targets_of(problem)) > 0
 
 
-def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int, visits: bool, states: int) -> Iterator[ProvedBound]:
+def _by_witnesses(
+    witnesses: Witnesses, robot: Robot, least: int, visits: bool, states: int, should_stop: Callable[[], bool]
+) -> Iterator[ProvedBound]:
     """The proofs from places far apart. least: what is known already, so that vain searches end early."""
     known = least
     for proof in _by_pairs(witnesses, robot, least, visits):
         known = max(known, proof.robots)
         yield proof
     if states:
-        yield tour_bound(witnesses, robot, known, states)
+        yield tour_bound(witnesses, robot, known, states, should_stop)
 
 
 def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
@@ -114,12 +118,15 @@ def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> I
         yield forest_bound(apart_m[np.ix_(asked, asked)], float(window_s), speed_m_s, least)
 
 
-def _by_components(witnesses: Witnesses, robot: Robot, visits: bool, states: int) -> ProvedBound:
+def _by_components(
+    witnesses: Witnesses, robot: Robot, visits: bool, states: int, should_stop: Callable[[], bool]
+) -> ProvedBound:
     """The bounds of the components, added up: what is seen from one component alone takes robots of its own."""
     each = []
     for component in np.unique(witnesses.component[witnesses.component >= 0]):
         own = witnesses.choose(witnesses.component == component)
-        each.append(max([1, *(proof.robots for proof in _by_witnesses(own, robot, 1, visits, states))]))
+        proofs = _by_witnesses(own, robot, 1, visits, states, should_stop)
+        each.append(max([1, *(proof.robots for proof in proofs)]))
     return ProvedBound(
         robots=sum(each),
         reason=f"the ground falls into {len(each)} parts between which no robot can travel,"

@@ -18,7 +18,7 @@ that it needs L for ever. The windows before and after bind what robots do befor
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,15 +35,17 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def tour_bound(witnesses: Witnesses, robot: Robot, least: int, most_states: int) -> ProvedBound:
-    """The bound for the witnesses, from ``least`` on, which is known.
+def tour_bound(
+    witnesses: Witnesses, robot: Robot, least: int, most_states: int, should_stop: Callable[[], bool] = lambda: False
+) -> ProvedBound:
+    """The bound for the witnesses, from ``least`` on, which is known; what is proved so far once ``should_stop``.
 
     most_states: that are looked at of the orders about a moment, a fifth where several places tell when it is. Most
     proofs take five, so that each is tried with few first. Teams of more than 8 have too many orders, and are not asked
     about.
     """
     robots, moments = least, list(moments_of(witnesses, robot.ground_speed_m_s))
-    while robots <= 8 and cannot_do(robots, moments, most_states):
+    while robots <= 8 and cannot_do(robots, moments, most_states, should_stop):
         robots += 1
     return ProvedBound(
         robots=robots,
@@ -51,10 +53,12 @@ def tour_bound(witnesses: Witnesses, robot: Robot, least: int, most_states: int)
     )
 
 
-def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int) -> bool:
-    """Whether about one of the moments so many robots surely cannot do all tasks."""
+def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int, should_stop: Callable[[], bool]) -> bool:
+    """Whether so many robots surely cannot do all tasks about one of the moments; not proved once ``should_stop``."""
     for share, most_places in ((5, 3), (1, 1)):
         for places, tasks in moments:
+            if should_stop():
+                return False
             first = len(tasks.place) - places
             if places <= most_places and search_orders(robots, first, tasks, most_states // share) == IMPOSSIBLE:
                 return True

@@ -60,7 +60,7 @@ def tours_alone(context: Context, search: DistrictSearch, mission: Mission, seed
         problem = set_up_problem(mission, is_whole=False)
     except NoPlanFound:
         return []
-    bound = prove_bound(problem)
+    bound = prove_bound(problem, should_stop=context.should_stop)
     own = replace(context, problem=problem, bound=bound, enough_robots=bound.robots, seed=seed, executor=None)
     return search(own).tours
 
