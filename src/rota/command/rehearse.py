@@ -23,7 +23,11 @@ from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import MissionError, RotaError
 from rota.planning.stopping import OwnThread
 
-OPTIONS = {"wind_m_s": "wind", "wind_from_deg": "wind"}  # of what is asked, where they are called otherwise
+OPTIONS = {
+    "wind_m_s": "wind",
+    "wind_from_deg": "wind",
+    "late_relief_s": "late-relief",
+}  # of what is asked, where they are called otherwise
 
 
 def rehearse(
@@ -40,6 +44,9 @@ def rehearse(
     wind: Annotated[
         str, typer.Option(metavar="M_S[,FROM_DEG]", help="Wind, from where (90: east) or in each run from elsewhere.")
     ] = "0",
+    late_relief: Annotated[
+        float, typer.Option("--late-relief", metavar="S", help="By how much robots leave chargers late, in the mean.")
+    ] = 0.0,
     hands_off: Annotated[
         bool, typer.Option("--hands-off", help="Nobody keeps robots in phase, as rota fly does otherwise.")
     ] = False,
@@ -67,8 +74,8 @@ def rehearse(
             made = OwnThread(
                 lambda: rehearse_plan(
                     answer, hours=hours, failures_per_hour=failures, speed_noise=speed_noise, wind_m_s=wind_m_s,
-                    wind_from_deg=wind_from_deg, hands_off=hands_off, runs=runs, seed=seed, executor=executor,
-                    progress=bar.show,
+                    wind_from_deg=wind_from_deg, late_relief_s=late_relief, hands_off=hands_off, runs=runs, seed=seed,
+                    executor=executor, progress=bar.show,
                 )
             ).do_work()  # fmt: skip
         except MissionError as error:

@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 
 from rota.cells.cell_map import cell_map_of, neighbours
 from rota.draw.house_style import house_style
+from rota.draw.least_left import LeastLeft, least_left_chart
 from rota.draw.legends import LEGEND_PT, axes_at
 from rota.draw.mission_picture import FONT_PT, draw_mission, mission_legend, plain
 from rota.draw.palette import LineStyle, gap_colours, route_style
@@ -44,7 +45,7 @@ class Availability:
 
     header: of the picture. points_m: (n, 2) places with their shares, (n,). visits: the share of each zone to visit, by
     its name. hours: (b + 1,) borders of the parts of the time. demands: of each a label and its shares by part, (b,).
-    whole: a label, and the shares (runs, b) of all that is asked.
+    whole: a label, and the shares (runs, b) of all that is asked. batteries: of each robot that has one.
     """
 
     header: str
@@ -54,6 +55,7 @@ class Availability:
     hours: Floats
     demands: tuple[tuple[str, Floats], ...]
     whole: tuple[str, Floats]
+    batteries: tuple[LeastLeft, ...] = ()
 
 
 @overload
@@ -76,7 +78,7 @@ def draw_availability(mission: Mission, made: Availability, path: str | FilePath
 
 
 def availability_figure(mission: Mission, made: Availability) -> Figure:
-    """The picture as a matplotlib figure: a map on the left (or top), the hours beside it."""
+    """The picture as a matplotlib figure: a map on the left (or top), the hours beside it, batteries below."""
     images: list[AxesImage] = []
     shares = Half(
         title="Share of the time within the period",
@@ -86,7 +88,7 @@ def availability_figure(mission: Mission, made: Availability) -> Figure:
         scale=lambda fig, x, y, width: _colour_bar(fig, images[0], (x, y - BAR, width)),
     )
     hours = Half(title="Available, hour by hour", draw=lambda ax: _draw_hours(made, ax), legend=_hours_legend(made))
-    return two_maps(mission, made.header, shares, hours)
+    return two_maps(mission, made.header, shares, hours, least_left_chart(made.batteries) if made.batteries else None)
 
 
 def _draw_shares(mission: Mission, made: Availability, ax: Axes) -> AxesImage:

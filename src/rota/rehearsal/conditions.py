@@ -11,6 +11,7 @@ MOST_HOURS = 10_000.0
 MOST_RUNS = 100_000
 MOST_NOISE = 0.3  # three times that is still less than a robot's speed
 MOST_FAILURES_PER_HOUR = 1e4
+MOST_LATE_S = 1e5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,8 +20,9 @@ class Conditions:
 
     hours: that are looked at, from when all robots are on their loops by plan. failures_per_hour: of each robot, by
     chance alone. speed_noise: the standard deviation of a robot's speed as a share of it. wind_m_s: how fast the air
-    moves; wind_from_deg: where it comes from, 0 north, 90 east; None: in each run from another direction. hands_off:
-    nobody keeps robots in phase.
+    moves; wind_from_deg: where it comes from, 0 north, 90 east; None: in each run from another direction.
+    late_relief_s: by how much robots are late in the mean each time that they leave a charger. hands_off: nobody keeps
+    robots in phase.
 
     Raises MissionError for values out of range.
     """
@@ -30,6 +32,7 @@ class Conditions:
     speed_noise: float = 0.0
     wind_m_s: float = 0.0
     wind_from_deg: float | None = None
+    late_relief_s: float = 0.0
     hands_off: bool = False
 
     def __post_init__(self) -> None:
@@ -43,8 +46,11 @@ class Conditions:
         ok = self.wind_from_deg is None or math.isfinite(self.wind_from_deg)
         require(ok, "wind_from_deg", self.wind_from_deg, "must be a finite number")
 
+        ok = 0 <= self.late_relief_s <= MOST_LATE_S
+        require(ok, "late_relief_s", self.late_relief_s, f"must be at least 0 and at most {MOST_LATE_S:g}")
+
     @property
     def certain(self) -> bool:
         """Whether nothing is left to chance, so that all runs are the same."""
         blows_anywhere = self.wind_m_s > 0 and self.wind_from_deg is None
-        return not (self.failures_per_hour or self.speed_noise or blows_anywhere)
+        return not (self.failures_per_hour or self.speed_noise or self.late_relief_s or blows_anywhere)

@@ -41,30 +41,6 @@ class Asked(NamedTuple):
 
 
 @kernel
-def drive(least_s, slowness, gust, fails_s, tick_s, waits_s):
-    """When robots come to each moment of their plans, (k, n + 1) seconds.
-
-    least_s: (k, n) how long each takes at least for what its plan has in each tick. slowness: (k, n / gust) times as
-    long it takes, for ``gust`` ticks each. A robot is never early: it drives as slowly as the plan asks. waits_s: (k,)
-    by how much it may be late before all wait for it (inf: nobody does); for one that has failed nobody waits.
-    """
-    robots, ticks = least_s.shape
-    times_s = np.zeros((robots, ticks + 1))
-    behind_s = 0.0
-    for n in range(ticks):
-        now_s = (n + 1) * tick_s + behind_s
-        lost_s = 0.0
-        for r in range(robots):
-            times_s[r, n + 1] = times_s[r, n] + least_s[r, n] * slowness[r, n // gust]
-            if times_s[r, n + 1] < fails_s[r]:
-                lost_s = max(lost_s, times_s[r, n + 1] - now_s - waits_s[r])
-        behind_s += lost_s
-        for r in range(robots):
-            times_s[r, n + 1] = max(times_s[r, n + 1], now_s + lost_s)
-    return times_s
-
-
-@kernel
 def real_time(times_s, ticks):
     """When a robot is where its plan has it after so many ticks; inf: after all that is looked at. times_s: (n,)."""
     whole = int(ticks)

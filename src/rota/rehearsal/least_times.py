@@ -61,8 +61,8 @@ def _legs_s(way: Trajectory, robot: Robot, wind: Wind) -> Floats:
     """How long each leg takes at least, (n - 1,).
 
     Robots that change speed at once make up for lost time on legs that they planned to drive slower than they can, and
-    leave waits out. Those with a mass do not, nor do those that need the time to turn where they stand. A charge takes
-    as long as planned.
+    leave waits out. Those with a mass do not, nor do those that need the time to turn where they stand. How long a
+    charge takes is the battery's.
     """
     planned_s = np.diff(way.times_s)
     flat_m = np.diff(way.positions_m[:, :2], axis=0)
@@ -75,7 +75,7 @@ def _legs_s(way: Trajectory, robot: Robot, wind: Wind) -> Floats:
             legs_s = np.where(lengths_m > 0, legs_s, planned_s)
     for charge in way.charges:
         docked = (way.times_s[:-1] >= charge.from_s) & (way.times_s[1:] <= charge.until_s)
-        legs_s = np.where(docked, planned_s, legs_s)
+        legs_s = np.where(docked, 0.0, legs_s)
     if not wind.speed_m_s:
         return legs_s
     toward = np.array(wind.toward_m_s)

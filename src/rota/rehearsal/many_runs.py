@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.engines.placing import answer_of, submit_with
+from rota.errors import MissionError
 from rota.model.plan import Plan
 from rota.model.refusals import require
+from rota.rehearsal.charging import charging_outcome
 from rota.rehearsal.conditions import MOST_RUNS, Conditions
 from rota.rehearsal.estimates import mean_over_runs, share_of_runs
 from rota.rehearsal.least_times import require_headway
@@ -34,6 +36,7 @@ def rehearse(
     speed_noise: float = 0.0,
     wind_m_s: float = 0.0,
     wind_from_deg: float | None = None,
+    late_relief_s: float = 0.0,
     hands_off: bool = False,
     runs: int = 100,
     seed: int = 0,
@@ -45,20 +48,24 @@ def rehearse(
     hours: how long each run is looked at, from when all robots are on their loops by plan. failures_per_hour: of each
     robot, by chance; it then stands where it is and sees nothing. speed_noise: the standard deviation of a robot's
     speed, as a share of it. wind_m_s: against which robots drive slower over the ground; wind_from_deg: where it comes
-    from, 0 north, 90 east; None: in each run from another direction. hands_off: nobody keeps robots in phase, as ``rota
+    from, 0 north, 90 east; None: in each run from another direction. late_relief_s: by how much robots leave chargers
+    late, in the mean; exponential. hands_off: nobody keeps robots in phase, as ``rota
     fly`` does otherwise. Where nothing is left to chance all runs are the same, and one is made. executor: workers to
     share runs out to; None: the cores of this machine. The outcome is the same. progress: told a share in 0..1.
 
     Raises MissionError for values out of range, and RotaError for wind against which a robot does not get on, for runs
-    that are too long for so many robots, and for plans without robots or demands.
+    that are too long for so many robots, for late reliefs where nobody charges, and for plans without robots or
+    demands.
     """
     conditions = Conditions(
         hours=hours, failures_per_hour=failures_per_hour, speed_noise=speed_noise, wind_m_s=wind_m_s,
-        wind_from_deg=wind_from_deg, hands_off=hands_off,
+        wind_from_deg=wind_from_deg, late_relief_s=late_relief_s, hands_off=hands_off,
     )  # fmt: skip
     require(isinstance(runs, int) and 1 <= runs <= MOST_RUNS, "runs", runs, f"must be 1 to {MOST_RUNS}")
     require(isinstance(seed, int) and seed >= 0, "seed", seed, "must be a whole number of at least 0")
     require_headway(plan, wind_m_s)
+    if late_relief_s and not any(way.charges for way in plan):
+        raise MissionError(f"late_relief_s: {late_relief_s:g} is not allowed; nobody charges in this plan")
     scene = scene_of(plan, conditions)
     batches = _batches(scene, seed, 1 if conditions.certain else runs, executor, progress)
     return _outcome(scene, seed, batches)
@@ -113,6 +120,9 @@ def _outcome(scene: Scene, seed: int, batches: Sequence[Batch]) -> Rehearsal:
         failed=mean_over_runs([float(run.failed) for run in runs], 0.0),
         demands=tuple(_demand(scene, k, runs, available[k].mean(axis=1)) for k in range(len(scene.demands))),
         contacts=_contacts(scene, runs) if scene.pairs else None,
+        charging=charging_outcome(scene, [run.charging for run in runs if run.charging is not None])
+        if scene.charges
+        else None,
         parts_h=np.linspace(0.0, scene.conditions.hours, parts + 1),
         parts_available=available,
         parts_weights=weights,

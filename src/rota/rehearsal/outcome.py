@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.rehearsal.charging import ChargingOutcome
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.estimates import Estimate
 
@@ -54,7 +55,8 @@ class Rehearsal:
     """What became of a plan in many runs.
 
     available: over all that is asked, by area; a zone to visit counts as all of its ground. failed: how many robots of
-    a run did. contacts: None where no two ways come so near each other that bodies can touch. parts_h: (b + 1,) the
+    a run did. contacts: None where no two ways come so near each other that bodies can touch. charging: batteries and
+    chargers, None where there are none. parts_h: (b + 1,) the
     borders of the parts of the time, hours from when a run is looked at. parts_available: (d, runs, b) for each demand.
     parts_weights: (d,) shares of all ground. places_m: (n, 2) the places that were looked at, places_demand: (n,) of
     which demand each is, places_available: (n,) the share of the time that each was within its period. Zones to visit
@@ -69,6 +71,7 @@ class Rehearsal:
     failed: Estimate
     demands: tuple[DemandOutcome, ...]
     contacts: ContactOutcome | None
+    charging: ChargingOutcome | None
     parts_h: Floats
     parts_available: Floats
     parts_weights: Floats
@@ -97,6 +100,7 @@ def rehearsal_to_json(made: Rehearsal) -> dict[str, Any]:
         "available": made.available._asdict(),
         "failed_robots": made.failed._asdict(),
         "contacts": None if made.contacts is None else _contacts_to_json(made.contacts),
+        "charging": None if made.charging is None else _charging_to_json(made.charging),
         "demands": [
             {
                 "name": each.name,
@@ -122,3 +126,28 @@ def rehearsal_to_json(made: Rehearsal) -> dict[str, Any]:
 def _contacts_to_json(contacts: ContactOutcome) -> dict[str, Any]:
     driving, standing = contacts.driving._asdict(), contacts.standing._asdict()
     return {"runs_driving": driving, "runs_with_failed": standing, "first": contacts.first}
+
+
+def _charging_to_json(charging: ChargingOutcome) -> dict[str, Any]:
+    """Batteries, reliefs and chargers as JSON values."""
+    return {
+        "least_to_spare_s": None if charging.spare_s is None else charging.spare_s._asdict(),
+        "runs_below_reserve": charging.below._asdict(),
+        "runs_not_waited": charging.hurried._asdict(),
+        "runs_too_full": charging.crowded._asdict(),
+        "reliefs": charging.reliefs._asdict(),
+        "first_not_waited": charging.first_hurry,
+        "first_too_full": charging.first_crowd,
+        "robots": [
+            {
+                "name": each.robot,
+                "reserve_s": each.reserve_s,
+                "least_s": each.least_s._asdict(),
+                "runs_below_reserve": each.below._asdict(),
+                "worst_s": each.worst_s,
+                "worst_run": each.worst_run,
+                "worst_at_s": each.worst_at_s,
+            }
+            for each in charging.robots
+        ],
+    }

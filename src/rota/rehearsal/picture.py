@@ -23,10 +23,10 @@ def draw_rehearsal(plan: Plan, made: Rehearsal, path: str | Path | None = None) 
     """Draw a rehearsal of a plan to ``path`` as PNG, SVG or PDF by its suffix, or else as a figure to show.
 
     On the map each place has the share of the time in which it was within its period; beside it is that of all that is
-    asked, hour by hour. A file appears whole or not at all. Raises RotaError for another suffix or a folder that cannot
-    be written to.
+    asked, hour by hour. Below them is how much was left in batteries at the least, where there are any. A file appears
+    whole or not at all. Raises RotaError for another suffix or a folder that cannot be written to.
     """
-    from rota.draw import Availability, draw_availability
+    from rota.draw import Availability, LeastLeft, draw_availability
 
     visits = np.array([each.demand == "visit" for each in made.demands])[made.places_demand]
     runs = "1 run" if made.runs == 1 else f"{made.runs} runs"
@@ -45,6 +45,11 @@ def draw_rehearsal(plan: Plan, made: Rehearsal, path: str | Path | None = None) 
             for each, shares in zip(made.demands, made.parts_available, strict=True)
         ),
         whole=(f"all: {percent_text(made.available)} %", made.over_time),
+        batteries=()
+        if made.charging is None
+        else tuple(
+            LeastLeft(each.robot, each.levels_s, each.reserve_s, each.endurance_s) for each in made.charging.robots
+        ),
     )
     if path is None:
         return draw_availability(plan.mission, availability)

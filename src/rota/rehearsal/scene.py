@@ -19,9 +19,11 @@ from rota.live.kernels import PlannedSights
 from rota.live.places import places_of
 from rota.live.planned_sights import sights_by_plan
 from rota.model.mission import Mission
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
+from rota.rehearsal.batteries import batteries_of
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import Pair, pairs_near
+from rota.rehearsal.drive_kernels import Batteries
 from rota.rehearsal.kernels import Asked
 
 Floats = NDArray[np.float64]
@@ -43,7 +45,7 @@ class Scene:
     demands: what is asked, empty ground left out. points_m: (n, 2) the places; those after them, one each, stand for
     demands to visit. asked: weights are what share of its demand each place stands for: points of a lattice equal ones,
     corners of zones none, since they are looked at beside it. sights: of the places by plan. pairs: of robots whose
-    bodies can touch.
+    bodies can touch. batteries: what the plan asks of them.
     """
 
     plan: Plan
@@ -53,6 +55,7 @@ class Scene:
     asked: Asked
     sights: PlannedSights
     pairs: tuple[Pair, ...]
+    batteries: Batteries
     begin_s: float
     end_s: float
     tick_s: float
@@ -61,6 +64,16 @@ class Scene:
     def ticks(self) -> int:
         """How many ticks a run has."""
         return math.ceil(self.end_s / self.tick_s) + 1
+
+    @property
+    def charges(self) -> bool:
+        """Whether any robot charges, or has a battery that runs down."""
+        return any(way.charges for way in self.plan) or bool(np.isfinite(self.batteries.endurance_s).any())
+
+    def most_charges(self, way: Trajectory) -> int:
+        """How often a robot is at a charger in a run at most."""
+        rounds = 2 + int(self.ticks * self.tick_s / way.loop_duration_s) if way.loop_duration_s else 1
+        return rounds * len(way.charges)
 
 
 def scene_of(plan: Plan, conditions: Conditions) -> Scene:
@@ -97,6 +110,7 @@ def scene_of(plan: Plan, conditions: Conditions) -> Scene:
         asked=Asked(demand, np.ascontiguousarray(periods_s), weights),
         sights=sights_by_plan(sights_of(plan, plan.mission.area.bounds), points_m, regions),
         pairs=pairs_near(plan),
+        batteries=batteries_of(plan),
         begin_s=begin_s,
         end_s=end_s,
         tick_s=tick_s,

@@ -28,7 +28,7 @@ def rehearsal_table(made: Rehearsal) -> str:
     for name, *cells in rows:
         right = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
         lines.append("  ".join([name.ljust(widths[0]), *right]))
-    lines += _contact_lines(made)
+    lines += _contact_lines(made) + _charging_lines(made)
     late = sorted((each for each in made.demands if each.late_s.mean > 0), key=lambda each: -each.late_s.mean)
     lines += [_worst_text(each) for each in late[:TOLD]]
     return "\n".join(lines)
@@ -46,6 +46,37 @@ def _contact_lines(made: Rehearsal) -> list[str]:
     return [told, *([f"first: {contacts.first}"] if contacts.first else [])]
 
 
+def _charging_lines(made: Rehearsal) -> list[str]:
+    """What is told of batteries, of reliefs and of chargers."""
+    charging = made.charging
+    if charging is None:
+        return []
+    lines = []
+    if charging.spare_s is not None:
+        least = number_text(charging.spare_s, 1)
+        below = percent_text(charging.below)
+        lines.append(
+            f"batteries: {least} s beyond the reserve at the least; one falls below it in {below} % of the runs"
+        )
+    low = sorted((each for each in charging.robots if each.below.mean > 0), key=lambda each: each.worst_s)
+    for each in low[:TOLD]:
+        lines.append(
+            f"{each.robot}: below its reserve of {each.reserve_s:g} s in {percent_text(each.below)} % of the runs;"
+            f" {number_text(each.least_s, 1)} s left at the least, {each.worst_s:.1f} s in run {each.worst_run} after"
+            f" {each.worst_at_s:.1f} s"
+        )
+    if len(low) > TOLD:
+        lines.append(f"{len(low) - TOLD} more robots fall below their reserve")
+    if made.conditions.late_relief_s:
+        lines.append(f"reliefs: {number_text(charging.reliefs, 0)} in a run")
+    if charging.first_hurry is not None:
+        hurried = percent_text(charging.hurried)
+        lines.append(f"robots whose batteries do not let them wait, in {hurried} % of the runs: {charging.first_hurry}")
+    if charging.first_crowd is not None:
+        lines.append(f"chargers too full, in {percent_text(charging.crowded)} % of the runs: {charging.first_crowd}")
+    return lines
+
+
 def conditions_text(asked: Conditions) -> str:
     """What may go wrong, in words."""
     told = []
@@ -56,6 +87,8 @@ def conditions_text(asked: Conditions) -> str:
     if asked.wind_m_s:
         where = "anywhere" if asked.wind_from_deg is None else f"{asked.wind_from_deg:g} degrees"
         told.append(f"wind of {asked.wind_m_s:g} m/s from {where}")
+    if asked.late_relief_s:
+        told.append(f"reliefs are late by {asked.late_relief_s:g} s in the mean")
     kept = "nobody keeps them in phase" if asked.hands_off else "all wait for who is late"
     return ", ".join([*told, kept] if told else ["all goes by plan"])
 
