@@ -16,8 +16,17 @@ from rota.check.charging import battery_levels
 from rota.model.mission import Charger
 from rota.rehearsal import rehearsal_table, rehearsal_to_json
 from rota.rehearsal.conditions import Conditions
-from rota.rehearsal.run import drive, rehearse_once
-from rota.rehearsal.scene import scene_of
+from rota.rehearsal.drive_kernels import Fills
+from rota.rehearsal.kernels import Driven
+from rota.rehearsal.run import rehearse_once
+from rota.rehearsal.scene import Scene, scene_of
+from rota.rehearsal.stages import drive_in_stages
+
+
+def drive(scene: Scene, seed: int, number: int) -> tuple[Driven, Fills]:
+    """How robots drive in a run, and their batteries."""
+    stage = drive_in_stages(scene, seed, number)[0][0]
+    return stage.driven, stage.fills
 
 
 def with_swaps(plan: Plan, swap_s: float) -> Plan:

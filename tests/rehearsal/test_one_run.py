@@ -15,8 +15,9 @@ from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import contacts_of
 from rota.rehearsal.kernels import Driven
 from rota.rehearsal.least_times import least_times_s
-from rota.rehearsal.run import drive as drive_with_batteries, rehearse_once
+from rota.rehearsal.run import rehearse_once
 from rota.rehearsal.scene import Scene, scene_of
+from rota.rehearsal.stages import drive_in_stages
 from rota.vehicles.motion import Wind
 
 HOUR_S = 3600.0
@@ -24,7 +25,7 @@ HOUR_S = 3600.0
 
 def drive(scene: Scene, seed: int, number: int) -> Driven:
     """How robots drive in a run, without their batteries."""
-    return drive_with_batteries(scene, seed, number)[0]
+    return drive_in_stages(scene, seed, number)[0][0].driven
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,9 @@ def rehearse(
     hands_off: Annotated[
         bool, typer.Option("--hands-off", help="Nobody keeps robots in phase, as rota fly does otherwise.")
     ] = False,
+    replan: Annotated[
+        bool, typer.Option("--replan", help="When a robot fails, let a plan for those that remain take over.")
+    ] = False,
     seed: Annotated[int, typer.Option(metavar="NUMBER", help="The same seed gives the same runs.")] = 0,
     output: Annotated[str | None, typer.Option("-o", "--output", metavar="PICTURE", help="Draw it, too.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the outcome as JSON.")] = False,
@@ -74,8 +77,8 @@ def rehearse(
             made = OwnThread(
                 lambda: rehearse_plan(
                     answer, hours=hours, failures_per_hour=failures, speed_noise=speed_noise, wind_m_s=wind_m_s,
-                    wind_from_deg=wind_from_deg, late_relief_s=late_relief, hands_off=hands_off, runs=runs, seed=seed,
-                    executor=executor, progress=bar.show,
+                    wind_from_deg=wind_from_deg, late_relief_s=late_relief, hands_off=hands_off, replan=replan,
+                    runs=runs, seed=seed, executor=executor, progress=bar.show,
                 )
             ).do_work()  # fmt: skip
         except MissionError as error:

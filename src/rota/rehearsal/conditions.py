@@ -22,7 +22,7 @@ class Conditions:
     chance alone. speed_noise: the standard deviation of a robot's speed as a share of it. wind_m_s: how fast the air
     moves; wind_from_deg: where it comes from, 0 north, 90 east; None: in each run from another direction.
     late_relief_s: by how much robots are late in the mean each time that they leave a charger. hands_off: nobody keeps
-    robots in phase.
+    robots in phase. replan: those that remain get a new plan when one has failed.
 
     Raises MissionError for values out of range.
     """
@@ -34,6 +34,7 @@ class Conditions:
     wind_from_deg: float | None = None
     late_relief_s: float = 0.0
     hands_off: bool = False
+    replan: bool = False
 
     def __post_init__(self) -> None:
         require_positive("hours", self.hours, MOST_HOURS)

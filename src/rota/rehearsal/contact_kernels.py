@@ -57,7 +57,7 @@ def lay_track(legs, driven, robot, track):
     last = len(legs.times_s) - 1
     loop_s = legs.times_s[last] - legs.times_s[legs.loop_index]
     leg, turned_s, tick, planned_s = 0, 0.0, 0, 0.0
-    times_s[0], places_m[0] = 0.0, legs.places_m[0]
+    times_s[0], places_m[0] = came_s[0], legs.places_m[0]
     n = 0
     while leg < last and times_s[n] < stops_s:
         begin_s, end_s = legs.times_s[leg] + turned_s, legs.times_s[leg + 1] + turned_s

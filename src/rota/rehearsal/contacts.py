@@ -43,13 +43,18 @@ def pairs_near(plan: Plan) -> tuple[Pair, ...]:
     return tuple(sorted(zip(a[near].tolist(), b[near].tolist(), apart_m[near].tolist(), strict=True)))
 
 
-def contacts_of(plan: Plan, pairs: tuple[Pair, ...], driven: Driven) -> list[Contact]:
-    """The first contact of each two robots while both drive, and the first when one of them stands since it failed."""
+def contacts_of(plan: Plan, pairs: tuple[Pair, ...], driven: Driven, until_s: Floats | None = None) -> list[Contact]:
+    """The first contact of each two robots while both drive, and the first when one of them stands since it failed.
+
+    until_s: (k,) until when each robot drives this plan; None: to the end.
+    """
     tracks = {robot: _track(plan.trajectories[robot], driven, robot) for pair in pairs for robot in pair[:2]}
     found = []
     for a, b, apart_m in pairs:
-        fails_s = min(float(driven.fails_s[[a, b]].min()), driven.end_s)
-        for from_s, to_s, stands in ((0.0, fails_s, False), (fails_s, driven.end_s, True)):
+        begins_s = float(driven.times_s[[a, b], 0].max())
+        ends_s = driven.end_s if until_s is None else min(float(until_s[[a, b]].min()), driven.end_s)
+        fails_s = min(max(float(driven.fails_s[[a, b]].min()), begins_s), ends_s)
+        for from_s, to_s, stands in ((begins_s, fails_s, False), (fails_s, ends_s, True)):
             time_s, x, y = contact_kernels.first_touch(tracks[a], tracks[b], apart_m, from_s, to_s)
             if math.isfinite(time_s):
                 found.append(Contact((a, b), float(time_s), (float(x), float(y)), stands))

@@ -38,6 +38,7 @@ def rehearse(
     wind_from_deg: float | None = None,
     late_relief_s: float = 0.0,
     hands_off: bool = False,
+    replan: bool = False,
     runs: int = 100,
     seed: int = 0,
     executor: Executor | None = None,
@@ -49,9 +50,10 @@ def rehearse(
     robot, by chance; it then stands where it is and sees nothing. speed_noise: the standard deviation of a robot's
     speed, as a share of it. wind_m_s: against which robots drive slower over the ground; wind_from_deg: where it comes
     from, 0 north, 90 east; None: in each run from another direction. late_relief_s: by how much robots leave chargers
-    late, in the mean; exponential. hands_off: nobody keeps robots in phase, as ``rota
-    fly`` does otherwise. Where nothing is left to chance all runs are the same, and one is made. executor: workers to
-    share runs out to; None: the cores of this machine. The outcome is the same. progress: told a share in 0..1.
+    late, in the mean; exponential. hands_off: nobody keeps robots in phase, as ``rota fly`` does otherwise. replan:
+    15 s after a failure a plan for those that remain takes over. Where nothing is left to chance all runs are the same,
+    and one is made. executor: workers to share runs out to; None: the cores of this machine. The outcome is the same.
+    progress: told a share in 0..1.
 
     Raises MissionError for values out of range, and RotaError for wind against which a robot does not get on, for runs
     that are too long for so many robots, for late reliefs where nobody charges, and for plans without robots or
@@ -59,7 +61,7 @@ def rehearse(
     """
     conditions = Conditions(
         hours=hours, failures_per_hour=failures_per_hour, speed_noise=speed_noise, wind_m_s=wind_m_s,
-        wind_from_deg=wind_from_deg, late_relief_s=late_relief_s, hands_off=hands_off,
+        wind_from_deg=wind_from_deg, late_relief_s=late_relief_s, hands_off=hands_off, replan=replan,
     )  # fmt: skip
     require(isinstance(runs, int) and 1 <= runs <= MOST_RUNS, "runs", runs, f"must be 1 to {MOST_RUNS}")
     require(isinstance(seed, int) and seed >= 0, "seed", seed, "must be a whole number of at least 0")
@@ -123,6 +125,8 @@ def _outcome(scene: Scene, seed: int, batches: Sequence[Batch]) -> Rehearsal:
         charging=charging_outcome(scene, [run.charging for run in runs if run.charging is not None])
         if scene.charges
         else None,
+        takeovers=mean_over_runs([float(run.takeovers) for run in runs], 0.0) if scene.conditions.replan else None,
+        refusal=next((f"run {k}: {run.refusal}" for k, run in enumerate(runs) if run.refusal is not None), None),
         parts_h=np.linspace(0.0, scene.conditions.hours, parts + 1),
         parts_available=available,
         parts_weights=weights,

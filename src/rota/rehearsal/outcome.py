@@ -56,7 +56,8 @@ class Rehearsal:
 
     available: over all that is asked, by area; a zone to visit counts as all of its ground. failed: how many robots of
     a run did. contacts: None where no two ways come so near each other that bodies can touch. charging: batteries and
-    chargers, None where there are none. parts_h: (b + 1,) the
+    chargers, None where there are none. takeovers: how many plans took over in a run, None where none were asked for;
+    refusal: why one was not found, in the first run in which that was so. parts_h: (b + 1,) the
     borders of the parts of the time, hours from when a run is looked at. parts_available: (d, runs, b) for each demand.
     parts_weights: (d,) shares of all ground. places_m: (n, 2) the places that were looked at, places_demand: (n,) of
     which demand each is, places_available: (n,) the share of the time that each was within its period. Zones to visit
@@ -72,6 +73,8 @@ class Rehearsal:
     demands: tuple[DemandOutcome, ...]
     contacts: ContactOutcome | None
     charging: ChargingOutcome | None
+    takeovers: Estimate | None
+    refusal: str | None
     parts_h: Floats
     parts_available: Floats
     parts_weights: Floats
@@ -100,6 +103,8 @@ def rehearsal_to_json(made: Rehearsal) -> dict[str, Any]:
         "available": made.available._asdict(),
         "failed_robots": made.failed._asdict(),
         "contacts": None if made.contacts is None else _contacts_to_json(made.contacts),
+        "takeovers": None if made.takeovers is None else made.takeovers._asdict(),
+        "not_replanned": made.refusal,
         "charging": None if made.charging is None else _charging_to_json(made.charging),
         "demands": [
             {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -101,20 +101,36 @@ def scene_of(plan: Plan, conditions: Conditions) -> Scene:
     counts = np.bincount(places.demand, minlength=len(places.demands))
     weights = np.where(np.isin(np.arange(len(demand)), lattice + np.arange(len(corner_of))), 0.0, 1 / counts[demand])
     periods_s = np.array([each.period_s for each in places.demands])[demand]
-    regions = [each.region for each in places.demands if each.demand == "visit"]
     return Scene(
         plan=plan,
         conditions=conditions,
         demands=places.demands,
         points_m=points_m,
         asked=Asked(demand, np.ascontiguousarray(periods_s), weights),
-        sights=sights_by_plan(sights_of(plan, plan.mission.area.bounds), points_m, regions),
+        sights=_sights(plan, points_m, places.demands),
         pairs=pairs_near(plan),
         batteries=batteries_of(plan),
         begin_s=begin_s,
         end_s=end_s,
         tick_s=tick_s,
     )
+
+
+def scene_with(scene: Scene, plan: Plan) -> Scene:
+    """The scene in which the same robots, in the same order, drive another plan for the same ground."""
+    return replace(
+        scene,
+        plan=plan,
+        sights=_sights(plan, scene.points_m, scene.demands),
+        pairs=pairs_near(plan),
+        batteries=batteries_of(plan),
+    )
+
+
+def _sights(plan: Plan, points_m: Floats, demands: Sequence[DemandedGround]) -> PlannedSights:
+    """When robots see each place, and are inside each demand to visit, by plan."""
+    regions = [each.region for each in demands if each.demand == "visit"]
+    return sights_by_plan(sights_of(plan, plan.mission.area.bounds), points_m, regions)
 
 
 def _corners(mission: Mission, demands: Sequence[DemandedGround]) -> tuple[Floats, Ints]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.estimates import Estimate
 from rota.rehearsal.outcome import DemandOutcome, Rehearsal
+from rota.rehearsal.stages import TAKES_OVER_S
 
 TOLD = 5  # demands whose worst gap is told with its place, the latest first
 ROUNDING, ALMOST_ALL = 1e-12, 0.9995  # of a share; from the second on it would be rounded to 100.0 %
@@ -20,6 +21,12 @@ def rehearsal_table(made: Rehearsal) -> str:
     lines.append(f"available: {percent_text(made.available)} % of all that is asked, in area and time")
     if made.conditions.failures_per_hour:
         lines.append(f"robots that fail: {number_text(made.failed, 2)} in a run")
+    if made.takeovers is not None:
+        lines.append(
+            f"plans that take over, {TAKES_OVER_S:g} s after a failure: {number_text(made.takeovers, 2)} in a run"
+        )
+    if made.refusal is not None:
+        lines.append(f"where none takes over, robots go on by the one before; the first is {made.refusal}")
     if made.runs > 1:
         lines.append("in brackets: 95 % confidence intervals")
     rows = [HEAD, *(_row(each) for each in made.demands)]
@@ -89,6 +96,8 @@ def conditions_text(asked: Conditions) -> str:
         told.append(f"wind of {asked.wind_m_s:g} m/s from {where}")
     if asked.late_relief_s:
         told.append(f"reliefs are late by {asked.late_relief_s:g} s in the mean")
+    if asked.replan:
+        told.append("those that remain are replanned")
     kept = "nobody keeps them in phase" if asked.hands_off else "all wait for who is late"
     return ", ".join([*told, kept] if told else ["all goes by plan"])
 
