@@ -20,7 +20,7 @@ def ages_s(
     header: Json, arrays: dict[str, NDArray[Any]], time_s: float, stops_s: dict[int, float] | None = None
 ) -> Floats:
     """(n,) time since each entry was last seen; inf: not yet. stops_s: when a robot of that number stops to see."""
-    found = np.full(len(arrays["cell_index"]), math.inf)
+    found = time_s - arrays.get("cell_before_s", np.full(len(arrays["cell_index"]), -math.inf))
     for entry in range(len(found)):
         for i in range(arrays["sight_offsets"][entry], arrays["sight_offsets"][entry + 1]):
             robot = header["robots"][arrays["sight_robot"][i]]

@@ -14,7 +14,7 @@ from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_looked_up_s, ages_s, centres_m
 
-from rota import check_plan
+from rota import check_plan, replan
 from rota.check.revisits import worst_gaps_s
 from rota.model.mission import Obstacle
 from rota.model.plan import Plan
@@ -41,6 +41,22 @@ def test_ages_are_those_of_looking_all_the_time(plan: Plan) -> None:
         assert np.isfinite(near).mean() > 0.99
         assert (near >= -1e-4).all()
         assert np.quantile(near, 0.98) <= STEP_S + 1e-4, time_s
+
+
+def test_ages_go_back_behind_the_change_where_a_plan_takes_over() -> None:
+    before = two_robots()
+    found = replan(before, at_s=107.0, lost=["b"], should_stop=lambda: True)
+    header, arrays = unpack(playback_of(found.plan, found.report, cells=300))
+    points = arrays["cell_index"] != NO_CELL
+    looked = ages_looked_up_s(before, centres_m(header, arrays["cell_index"][points]), 107.0, STEP_S)
+    assert np.isfinite(looked).all()
+    near = looked + arrays["cell_before_s"][points]
+    assert (near >= -1e-6).all()
+    assert np.quantile(near, 0.98) <= STEP_S + 1e-6
+    (gate,) = arrays["cell_before_s"][~points]
+    assert gate == pytest.approx(90.4 - 107)  # both leave it, from x = 48 to 52, after 90.4 s at 5 m/s
+    assert (header["seam"]["at_s"], header["seam"]["lost"]) == (107.0, ["b"])
+    assert {way["robot"] for way in header["seam"]["ways"]} == {"a", "b"}
 
 
 def test_robots_with_motion_are_played_where_they_are() -> None:

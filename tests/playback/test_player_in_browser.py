@@ -18,7 +18,7 @@ from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_s
 
-from rota import Plan, check_plan
+from rota import Plan, check_plan, replan
 from rota.model.mission import MovingObstacle
 from rota.playback.container import unpack
 from rota.playback.page import page_text
@@ -48,6 +48,7 @@ def plans() -> dict[str, Plan]:
         "yard": yard(),
         "lane": two_robots(),
         "drifting": replace(drifting, trajectories=ways),
+        "taken over": replan(drifting, at_s=33.0, lost=["b"], should_stop=lambda: True).plan,
         "floor": replace(floor, mission=replace(floor.mission, moving_obstacles=(cart,))),
     }
 
@@ -88,7 +89,8 @@ def only(arrays: dict[str, Any], some: Any) -> dict[str, Any]:
     kept = np.concatenate(rows).astype(int)
     offsets = np.cumsum([0, *map(len, rows)])
     sights = {name: arrays[name][kept] for name in ("sight_robot", "sight_start_s", "sight_end_s", "sight_loops")}
-    return {"cell_index": arrays["cell_index"][some], "sight_offsets": offsets, **sights}
+    of_entries = {name: arrays[name][some] for name in ("cell_index", "cell_before_s") if name in arrays}
+    return {**of_entries, "sight_offsets": offsets, **sights}
 
 
 def test_a_lost_robot_shows_what_lapses_and_undo_takes_it_back(opened: Open, offline_page: Page) -> None:

@@ -255,3 +255,42 @@ def test_robots_on_lanes_share_the_places_anew() -> None:
     both = replan(plan, at_s=13.0, lost=["robot-1"], joined={"robot-3": (10.0, 0.0)}, time_limit_s=5)
     assert both.report.verdict == "met"
     assert [one.kind for one in check_plan(both.plan).violations] == []
+
+
+def test_a_plan_that_took_over_is_replanned_with_all_that_was_driven_before() -> None:
+    ring = ring_plan(45, {"a": 0.0, "b": 20.0, "c": 30.0})
+    second = first_answer(first_answer(ring, at_s=100, lost=["b"]).plan, at_s=7, lost=["c"])
+    seam = second.plan.seam
+    assert seam is not None
+    assert seam.lost == ("c", "b")
+    moments = np.linspace(-60, 0, 121)
+    for driven in seam.driven:
+        until_s = -7.0 if driven.robot == "b" else 0.0
+        assert driven.times_s[-1] == until_s
+        assert driven.times_s[0] <= -60
+        told = [np.interp(moments, driven.times_s, axis) for axis in driven.positions_m.T]
+        was = ring[driven.robot].at(107 + np.minimum(moments, until_s))
+        assert np.abs(np.column_stack(told) - was).max() < 1e-9
+    # a alone comes round in 40 s: nothing is late, which is known only with what was seen before the first change
+    assert second.report.lateness is not None
+    assert (second.report.verdict, second.report.lateness.holds_again_s) == ("met", 0)
+    tighter = first_answer(
+        first_answer(ring_plan(20, {"a": 0.0, "b": 20.0}), at_s=100, lost=["b"]).plan, at_s=1, joined={"d": (0.0, 10.0)}
+    )
+    assert tighter.plan.seam is not None
+    points = lattice(tighter.plan.mission, 0.2)
+    sampled = Sampled(tighter.plan, points, 0.02, 200.0, more_m=0.01)
+    assert tighter.report.lateness is not None
+    worst = tighter.report.lateness.worst
+    assert worst is not None
+    assert sampled.worst_s == pytest.approx(worst.worst_at_least_s, abs=0.15)
+
+
+def test_who_goes_on_was_driven_until_the_change() -> None:
+    found = first_answer(ring_plan(45, {"a": 0.0, "b": 20.0}), at_s=100, lost=["b"])
+    assert found.plan.seam is not None
+    driven = tuple(replace(one, times_s=one.times_s - 1) for one in found.plan.seam.driven)
+    with pytest.raises(rota.PlanError, match="robot a: times_s ends at -1"):
+        replace(found.plan.seam, driven=driven)
+    with pytest.raises(rota.PlanError, match=r"times_s ends at 1\.0"):
+        replace(driven[0], times_s=driven[0].times_s + 2)

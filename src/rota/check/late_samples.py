@@ -100,11 +100,16 @@ def sights_across(plan: Plan, seam: Seam) -> Sights | None:
     turns = _turns(routes, to_s)
     if turns.sum() > MOST_LEGS:
         return None
-    old_routes, old_sensors = _routes_before(seam)
-    then = plan.mission if seam.obstacles is None else replace(plan.mission, obstacles=seam.obstacles)
-    before = sights_along(old_routes, old_sensors, then, bounds_m)
+    before = sights_before(plan.mission, seam)
     after = sights_along(_unroll(routes, turns, to_s), sensors_of(plan), plan.mission, bounds_m)
     return replace(after, seam=SeamSights(before=before, moments_s=(seam.since_s, 0.0, routes.from_s, to_s)))
+
+
+def sights_before(mission: Mission, seam: Seam) -> Sights:
+    """What was seen before the change, past the obstacles of then."""
+    routes, sensors = _routes_before(seam)
+    then = mission if seam.obstacles is None else replace(mission, obstacles=seam.obstacles)
+    return sights_along(routes, sensors, then, mission.area.bounds)
 
 
 def _turns(routes: Routes, to_s: float) -> Ints:

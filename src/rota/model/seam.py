@@ -23,8 +23,9 @@ BEFORE: dict[str, Any] = {"least": -LONGEST_S, "most": 0}
 class Driven:
     """What one robot drove before a plan took over, at which the plan's clock is 0.
 
-    times_s: (n,) seconds, rising, the last is 0. positions_m: (n, 2). sensor: what it saw with. accelerations_m_s2: as
-    a ``Trajectory`` has them. Raises PlanError for other shapes, numbers that are not finite, times that do not rise.
+    times_s: (n,) seconds, rising; the last is 0, or when it was lost in a change before. positions_m: (n, 2).
+    sensor: what it saw with. accelerations_m_s2: as a ``Trajectory`` has them. Raises PlanError for other shapes,
+    numbers that are not finite, times that do not rise.
     """
 
     robot: str = field_of(key="name", count=((1, None),))
@@ -53,7 +54,7 @@ class Driven:
         for given in (times, places) if changes is None else (times, places, changes):
             if not np.isfinite(given).all():
                 raise PlanError(f"{who}: times, positions and accelerations must be finite")
-        if times[-1] != 0:
+        if times[-1] > 0:
             raise PlanError(f"{who}: times_s ends at {times[-1]}; the last must be 0, when the plan takes over")
         if any(before >= after for before, after in pairwise(times.tolist())):
             raise PlanError(f"{who}: times_s must rise")
@@ -93,6 +94,9 @@ class Seam:
         for name, count in Counter(driven.robot for driven in self.driven).items():
             if count > 1:
                 raise PlanError(f"seam: robot {name} has driven twice")
+        for driven in self.driven:
+            if (ends_s := driven.times_s[-1]) < 0 and driven.robot not in self.lost:
+                raise PlanError(f"seam: robot {driven.robot}: times_s ends at {ends_s}; it is not lost: 0 is needed")
 
     @property
     def since_s(self) -> float:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.cells.cell_map import CellMap, cell_map_of
 from rota.check import revisits, seeable, standing
 from rota.check.demands import demands_of
+from rota.check.late_samples import sights_before
 from rota.check.presence import away_times_s
 from rota.check.report import Report
 from rota.check.revisits import sights_along
@@ -19,7 +20,7 @@ from rota.check.routes import routes_of, sensors_of
 from rota.live.kernels import PlannedSights
 from rota.live.planned_sights import sights_by_plan
 from rota.model.mission import AREA, Mission
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Seam
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,6 +34,7 @@ class SeenCells:
 
     index: (n,) row * columns + column, or ``NO_CELL``. demand: (n,) index in the report's demands. worst: (n,) worst
     gap over period; inf: never seen. excluded: (e,) cells that nobody can see. sights: of all entries, in their order.
+    before_s: (n,) when each was seen last before the plan took over from another one, 0 at most; None: it does not.
     """
 
     cell_map: CellMap
@@ -41,6 +43,7 @@ class SeenCells:
     worst: Floats
     excluded: Ints
     sights: PlannedSights
+    before_s: Floats | None
 
     @property
     def grid(self) -> dict[str, Any]:
@@ -71,7 +74,8 @@ def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
     index, demands = np.flatnonzero(asked), owner[asked]
     kept = ~excluded
     routes = sights_along(routes_of(plan), sensors_of(plan), mission, mission.area.bounds)
-    sights = sights_by_plan(routes, points_m[kept], [regions[demand.name] for _, demand in visits])
+    places = points_m[kept], [regions[demand.name] for _, demand in visits]
+    sights = sights_by_plan(routes, *places)
     periods_s = np.array([demand.period_s for demand in report.demands], np.float64)
     return SeenCells(
         cell_map=cell_map,
@@ -82,7 +86,17 @@ def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
         ),
         excluded=index[excluded],
         sights=_while_present(sights, plan),
+        before_s=None if plan.seam is None else _last_before(plan.mission, plan.seam, *places),
     )
+
+
+def _last_before(mission: Mission, seam: Seam, points_m: Floats, regions: list[Any]) -> Floats:
+    """When points and then regions were seen last before the change; those that were not, when what is told begins."""
+    sights = sights_by_plan(sights_before(mission, seam), points_m, regions)
+    entry = np.repeat(np.arange(len(sights.offsets) - 1), np.diff(sights.offsets))
+    last_s = np.full(len(sights.offsets) - 1, seam.since_s)
+    np.maximum.at(last_s, entry, np.minimum(sights.ends_s, 0.0))
+    return last_s
 
 
 def _owners(mission: Mission, cell_map: CellMap, names: list[str]) -> Ints:

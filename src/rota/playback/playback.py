@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rota.check.report import Report, report_to_json
 from rota.check.routes import routes_of
 from rota.model.mission import DiscSensor, Robot
-from rota.model.plan import Plan, Trajectory
+from rota.model.plan import Plan, Seam, Trajectory
 from rota.planning.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence
 from rota.playback.bounces import cell_arrays, turn_arrays
 from rota.playback.cells import SeenCells, seen_cells
@@ -25,6 +25,7 @@ Arrays = dict[str, NDArray[Any]]
 CELLS = 20_000
 EXACT_BELOW_M = 4_096.0  # so far from 0, a 32-bit coordinate is right to half a millimetre
 MOST_TURNS = 20  # of the longest loop, within which a common period of all loops is worth showing
+SHOWN_BEFORE_S = 30.0  # of what was driven before the plan took over
 LOOPS_SHOWN = 4  # of the longest loop, where there is no such period
 
 
@@ -41,6 +42,7 @@ def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
     coverage = bounces.pop("coverage", None) or range_over_time(plan)
     header: Json = {
         "plan": _plan_header(plan, report),
+        "seam": None if plan.seam is None else _seam_header(plan.seam),
         "mission": {**ground_to_json(plan.mission), "moving_obstacles": _moving(plan)},
         "bounds_m": [float(value) for value in plan.mission.area.bounds],
         "clock": clock_of(plan),
@@ -96,6 +98,15 @@ def _plan_header(plan: Plan, report: Report) -> Json:
         "bound_reason": plan.lower_bound_reason,
         "facts": [sentence for sentence in sentences if sentence],
     }
+
+
+def _seam_header(seam: Seam) -> Json:
+    """Where the plan takes over from another one, and how each robot came there: corners of the last seconds."""
+    ways = []
+    for driven in seam.driven:
+        first = max(0, int(np.searchsorted(driven.times_s, -SHOWN_BEFORE_S)) - 1)
+        ways.append({"robot": driven.robot, "positions_m": driven.positions_m[first:].tolist()})
+    return {"at_s": seam.at_s, "lost": list(seam.lost), "ways": ways}
 
 
 def _robot_header(plan: Plan, trajectory: Trajectory) -> Json:
@@ -168,7 +179,9 @@ def _corner_arrays(plan: Plan) -> Arrays:
 
 def _cell_arrays(seen: SeenCells) -> Arrays:
     """The asked cells and when they are seen."""
+    before = {} if seen.before_s is None else {"cell_before_s": seen.before_s.astype(np.float64)}
     return {
+        **before,
         "cell_index": seen.index.astype(np.uint32),
         "cell_demand": seen.demand.astype(np.uint16),
         "cell_worst": seen.worst.astype(np.float32),

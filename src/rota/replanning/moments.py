@@ -43,6 +43,30 @@ def way_before(trajectory: Trajectory, sensor: Sensor, at_s: float, least_s: flo
     )
 
 
+def join_ways(earlier: Driven | None, way: Driven, least_s: float) -> Driven:
+    """What was driven in the last ``least_s`` seconds and a leg before, where it began in what was driven earlier.
+
+    The way alone where it does not begin there, or with another sensor.
+    """
+    if earlier is None or earlier.times_s[-1] != way.times_s[0] or earlier.sensor != way.sensor:
+        return way
+    times_s = np.append(earlier.times_s[:-1], way.times_s)
+    changes = np.concatenate([_changes_of(earlier), _changes_of(way)])
+    first = max(0, int(np.searchsorted(times_s, -least_s, side="right")) - 1)
+    return replace(
+        way,
+        times_s=times_s[first:],
+        positions_m=np.vstack([earlier.positions_m[:-1], way.positions_m])[first:],
+        accelerations_m_s2=changes[first:] if changes.any() else None,
+    )
+
+
+def _changes_of(way: Driven) -> Floats:
+    """The accelerations of a way along its legs."""
+    changes = way.accelerations_m_s2
+    return np.zeros(len(way.times_s) - 1) if changes is None else changes
+
+
 def go_on(trajectory: Trajectory, at_s: float) -> Trajectory:
     """What is driven from a moment on, whose clock begins there; the loop begins there if it has begun before."""
     loop_s = trajectory.loop_duration_s

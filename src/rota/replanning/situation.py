@@ -12,8 +12,8 @@ from rota.errors import MissionError
 from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
 from rota.model.limits import LONGEST_S
 from rota.model.mission import TOUCH_M, Mission, Obstacle, Robot
-from rota.model.plan import Plan, Seam, Trajectory
-from rota.replanning.moments import delay, go_on, way_before
+from rota.model.plan import Driven, Plan, Seam, Trajectory
+from rota.replanning.moments import delay, go_on, join_ways, way_before
 
 Place = tuple[float, float]
 
@@ -160,13 +160,29 @@ def _seam_of(plan: Plan, change: Change, mission: Mission, delayed: Sequence[Tra
         for period_s in (asked.period_s, *(zone.period_s for zone in asked.zones))
     ]
     told_s = TOLD * max([*periods_s, *(trajectory.loop_duration_s for trajectory in delayed)], default=0.0)
+    earlier = _driven_earlier(plan, change.at_s)
     driven = []
     for trajectory in delayed:
         one = way_before(trajectory, plan.mission.fleet.robot(trajectory.robot).sensor, change.at_s, told_s)
+        one = join_ways(earlier.pop(trajectory.robot, None), one, told_s)
         moved = trajectory.robot in change.lost and trajectory.robot in change.joined
         driven.append(replace(one, robot=trajectory.robot + BEFORE) if moved else one)
-    lost = tuple(name + BEFORE if name in change.joined else name for name in dict.fromkeys(change.lost))
-    return Seam(at_s=change.at_s, lost=lost, driven=tuple(driven), obstacles=_walls_before(plan.mission, mission))
+    lost = [name + BEFORE if name in change.joined else name for name in dict.fromkeys(change.lost)]
+    taken = {one.robot for one in driven} | set(change.joined)
+    gone = [one for name, one in earlier.items() if name not in taken and one.times_s[-1] > -told_s]
+    return Seam(
+        at_s=change.at_s,
+        lost=(*lost, *(one.robot for one in gone)),
+        driven=(*driven, *gone),
+        obstacles=_walls_before(plan.mission, mission),
+    )
+
+
+def _driven_earlier(plan: Plan, at_s: float) -> dict[str, Driven]:
+    """What was driven before the plan itself took over from another one, by name; nothing where walls were others."""
+    if plan.seam is None or plan.seam.obstacles is not None:
+        return {}
+    return {one.robot: replace(one, times_s=one.times_s - at_s) for one in plan.seam.driven}
 
 
 def _walls_before(before: Mission, now: Mission) -> tuple[Obstacle, ...] | None:

@@ -50,6 +50,10 @@ _START_JOB = an_object(
         "revision": or_null(_REVISION),
     },
 )
+_REPLAN = an_object(
+    {"at_s": {**NUMBER, "minimum": 0}, "lost": {**list_of(TEXT), "minItems": 1}},
+    {"seed": or_null(COUNT), "time_limit_s": or_null(_LIMIT)},
+)
 _NEW_MISSION = {
     "oneOf": [
         an_object({"document": _DOCUMENT}, {"upload": or_null(TEXT)}),
@@ -148,6 +152,11 @@ OPERATIONS = (
         method="GET", path="/api/plans/{id}", what="A plan with the check's report.", gives=ref("Plan"), refuses=(404,)
     ),
     Operation(method="DELETE", path="/api/plans/{id}", what="Delete a plan.", status=204, refuses=(404,)),
+    Operation(
+        method="POST", path="/api/plans/{id}/replan", status=201, body=_REPLAN, gives=ref("Job"),
+        what="Replan from a moment of a plan on without robots that are lost then, as a job.",
+        refuses=(404, 409, 415, 422),
+    ),
     Operation(
         method="GET", path="/api/plans/{id}/playback", what="What players need: ROTAPLAY, arrays behind a header.",
         gives=TEXT, kind=BYTES, refuses=(404,),

@@ -43,6 +43,10 @@ FAULT = an_object({"field": TEXT, "path": list_of({"type": ["string", "integer"]
 ATTACHMENT = an_object({"name": TEXT, "size": COUNT})
 _SHAPE = {**list_of(list_of(list_of(list_of(NUMBER)))), "description": "polygons, each its rings, the outer one first"}
 _ORIGIN = or_null(an_object({"lat": NUMBER, "lon": NUMBER}))
+_CHANGE = {
+    **or_null(an_object({"plan": TEXT, "at_s": NUMBER, "lost": list_of(TEXT)})),
+    "description": "the plan that it takes over from, at which moment of its clock, and who is lost then",
+}
 _SETTINGS = list_of(an_object({"name": TEXT, "what": TEXT, "default": {}}))
 
 VALUES: dict[str, Schema] = {
@@ -142,6 +146,7 @@ VALUES: dict[str, Schema] = {
             "seed": COUNT,
             "time_limit_s": or_null(NUMBER),
             "revision": {**or_null(COUNT), "description": "of the mission when it was asked"},
+            "change": _CHANGE,
             "created_at": MOMENT,
             "started_at": or_null(MOMENT),
             "ended_at": or_null(MOMENT),
@@ -182,6 +187,7 @@ VALUES: dict[str, Schema] = {
             "partial": {**TRUTH, "description": "its demand is not met, or its search was cut short"},
             "facts": list_of(TEXT),
             "revision": {**or_null(COUNT), "description": "of the mission that it was made of"},
+            "change": _CHANGE,
             "stale": {**list_of(TEXT), "description": "what has changed in its mission since; empty: it still holds"},
             "report": ref("Report"),
         },

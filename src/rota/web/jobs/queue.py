@@ -19,6 +19,7 @@ from rota.web.store.jobs import (
     job_json,
     list_jobs,
     new_job,
+    new_replan,
     queued_jobs,
     set_job,
 )
@@ -58,6 +59,14 @@ class JobQueue:
         limits = self._limits
         job = await asyncio.to_thread(
             new_job, self._database, mission, asked, most_queued=limits.queued_jobs, most=limits.jobs
+        )
+        return self._enqueue_and_show(job)
+
+    async def replan(self, change: Json, asked: Json) -> Json:
+        """A new job that replans; Refusal when there are too many, or no such plan."""
+        limits = self._limits
+        job = await asyncio.to_thread(
+            new_replan, self._database, change, asked, most_queued=limits.queued_jobs, most=limits.jobs
         )
         return self._enqueue_and_show(job)
 

@@ -18,6 +18,7 @@ from rota.web.refusal import Json, Refusal
 from rota.web.routes.answers import JsonAnswer, json_of, revision_of, state_of, text_or_none
 from rota.web.routes.page import about_of
 from rota.web.store.missions import mission_source
+from rota.web.store.plans import plan_json
 
 ALIVE_EVERY_S = 15.0  # a comment so often keeps what lies between from closing the stream
 BETWEEN_S = 0.2  # at most five events a second
@@ -44,6 +45,26 @@ async def create(request: Request) -> Response:
     )  # refuses one that there is not
     await state.pool.ask("require_plannable", mission=mission, planner=told["planner"], effort=told["effort"])
     job = await state.jobs.add(mission, told)
+    return JsonAnswer(job, 201, headers={"location": f"/api/jobs/{job['id']}"})
+
+
+async def replan(request: Request) -> Response:
+    """Put a job into the queue that replans from a moment of a plan on."""
+    state, plan = state_of(request), request.path_params["id"]
+    await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
+    asked = await json_of(request, "at_s", "lost", "seed", "time_limit_s")
+    at_s, lost = asked.get("at_s"), asked.get("lost")
+    if isinstance(at_s, bool) or not isinstance(at_s, int | float) or not math.isfinite(at_s) or at_s < 0:
+        raise Refusal(400, "at_s: a number of seconds, 0 or more, is needed")
+    if not isinstance(lost, list) or not lost or not all(isinstance(name, str) for name in lost):
+        raise Refusal(400, "lost: a list of the names of robots is needed")
+    change = {"plan": plan, "at_s": float(at_s), "lost": lost}
+    told = {
+        "seed": _seed(asked.get("seed")),
+        "time_limit_s": _time_limit_s(asked.get("time_limit_s"), state.limits.job_time_s),
+    }
+    await state.pool.ask("require_change", **change)
+    job = await state.jobs.replan(change, told)
     return JsonAnswer(job, 201, headers={"location": f"/api/jobs/{job['id']}"})
 
 
@@ -160,6 +181,7 @@ def event(name: str, data: Json) -> str:
 routes = [
     Route("/api/jobs", create, methods=["POST"]),
     Route("/api/jobs", list_jobs, methods=["GET"]),
+    Route("/api/plans/{id}/replan", replan, methods=["POST"]),
     Route("/api/jobs/{id}", show, methods=["GET"]),
     Route("/api/jobs/{id}", delete, methods=["DELETE"]),
     Route("/api/jobs/{id}/events", events, methods=["GET"]),

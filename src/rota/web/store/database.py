@@ -52,7 +52,12 @@ ALTER TABLE plans ADD COLUMN files TEXT;
 UPDATE plans SET document = (SELECT document FROM jobs WHERE jobs.id = plans.job),
     files = (SELECT files FROM jobs WHERE jobs.id = plans.job);
 """
-_STEPS = (_FIRST_TABLES, _REVISIONS)  # each makes the tables of one version of those of the version before
+# a plan may take over from another one: who is lost there, and when, as JSON
+_CHANGES = """
+ALTER TABLE jobs ADD COLUMN change TEXT;
+ALTER TABLE plans ADD COLUMN change TEXT;
+"""
+_STEPS = (_FIRST_TABLES, _REVISIONS, _CHANGES)  # each makes the tables of one version of those of the version before
 VERSION = len(_STEPS)  # of the tables, kept in SQLite's user_version
 
 

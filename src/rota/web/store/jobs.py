@@ -10,6 +10,7 @@ from rota.model.planner_registry import planner_names
 from rota.web.refusal import Json, Refusal, no_such
 from rota.web.store.database import Database, contents_of, new_id, now
 from rota.web.store.missions import clean_files, mission_source, name_of, planner_of, text_of
+from rota.web.store.plans import plan_source
 
 OPEN = ("queued", "running")  # the states of jobs that are not over
 
@@ -27,6 +28,18 @@ def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, 
     return _insert(database, mission, document, json.dumps(files), asked, most_queued, most)
 
 
+def new_replan(database: Database, change: Json, asked: Json, *, most_queued: int, most: int) -> Json:
+    """Keep a new job that replans: change has the plan, the moment at_s of its clock and the robots that are lost.
+
+    asked: seed, time_limit_s, each as given or None. Refusal 404 for a plan that there is not, 429 for a full queue.
+    """
+    row = plan_source(database, change["plan"])
+    document = json.loads(row["document"] or json.dumps({"name": row["name"]}))
+    same = {key: row[key] for key in ("planner", "effort", "revision")}
+    asked = {**asked, **same, "change": json.dumps(change)}
+    return _insert(database, row["mission"], document, row["files"] or "{}", asked, most_queued, most)
+
+
 def document_for_planner(document: Json, planner: str | None) -> Json:
     """The document for the planner that is asked for, without the settings of others; None: the mission's own."""
     if planner is None or planner == planner_of(document):
@@ -37,12 +50,12 @@ def document_for_planner(document: Json, planner: str | None) -> Json:
 def job_again(database: Database, job: str, *, most_queued: int, most: int) -> Json:
     """A new job that asks what another one asked, of the mission as it was then."""
     row = _row(database.connection(), job)
-    asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s", "revision")}
+    asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s", "revision", "change")}
     return _insert(database, row["mission"], json.loads(row["document"]), row["files"], asked, most_queued, most)
 
 
 def _insert(
-    database: Database, mission: str, document: Json, files: str, asked: Json, most_queued: int, most: int
+    database: Database, mission: str | None, document: Json, files: str, asked: Json, most_queued: int, most: int
 ) -> Json:
     """Add a job to the queue; Refusal when too many wait or are kept."""
     job = new_id()
@@ -54,11 +67,11 @@ def _insert(
             raise Refusal(409, f"{most:,} jobs are kept at most; delete some first")
         cursor.execute(
             "INSERT INTO jobs (id, mission, mission_name, document, files, state, planner, effort, seed, time_limit_s,"
-            " revision, created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?, ?)",
+            " revision, change, created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?, ?, ?)",
             (
                 job, mission, name_of(document), text_of(document), files, asked["planner"],
                 asked.get("effort") or _effort_of(document), asked.get("seed") or 0, asked.get("time_limit_s"),
-                asked["revision"], now(),
+                asked["revision"], asked.get("change"), now(),
             ),
         )  # fmt: skip
     return job_json(database, job)
@@ -140,6 +153,7 @@ def _show(row: sqlite3.Row) -> Json:
     over = row["state"] not in OPEN
     return {
         **{key: row[key] for key in same},
+        "change": None if row["change"] is None else json.loads(row["change"]),
         "started_at": row["started_at"],
         "ended_at": row["ended_at"],
         "progress": {"fraction": 1.0 if over else 0.0, "doing": "", "elapsed_s": row["elapsed_s"], "left_s": None},

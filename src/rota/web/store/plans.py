@@ -16,7 +16,7 @@ MOST_MADE = 6  # playbacks and pictures kept of a plan
 # a list of plans is read often: it leaves out the report and the plan itself
 _SHOWN = (
     "id", "name", "mission", "job", "planner", "effort", "created_at", "robots", "bound", "bound_reason", "verdict",
-    "worst_ratio", "length_m", "plan_s", "partial", "facts", "revision",
+    "worst_ratio", "length_m", "plan_s", "partial", "facts", "revision", "change",
 )  # fmt: skip
 # with what tells whether its mission has changed since; the documents where they differ only, for they may be long
 _LISTED = (
@@ -25,7 +25,7 @@ _LISTED = (
     " CASE WHEN plans.document IS NOT missions.document THEN missions.document END AS now_document"
     " FROM plans LEFT JOIN missions ON missions.id = plans.mission"
 )
-_COLUMNS = (*_SHOWN[:-1], "is_better", "report", "content")
+_COLUMNS = (*_SHOWN[:-2], "is_better", "report", "content")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +70,8 @@ def keep_plan(database: Database, plan: NewPlan, *, most: int) -> str:
         )  # fmt: skip
         cursor.execute(f"INSERT INTO plans ({', '.join(_COLUMNS)}) VALUES ({', '.join('?' * len(row))})", row)
         cursor.execute(
-            "UPDATE plans SET (revision, document, files) = (SELECT revision, document, files FROM jobs WHERE id = job)"
-            " WHERE id = ?",
+            "UPDATE plans SET (revision, document, files, change)"
+            " = (SELECT revision, document, files, change FROM jobs WHERE id = job) WHERE id = ?",
             (key,),
         )
     return key
@@ -139,6 +139,11 @@ def packed_plan(database: Database, plan: str) -> bytes:
     return packed
 
 
+def plan_source(database: Database, plan: str) -> sqlite3.Row:
+    """What a job takes over from a plan: name, mission, planner, effort, revision, document and files."""
+    return _row(database, plan, "name, mission, planner, effort, revision, document, files")
+
+
 def delete_plan(database: Database, plan: str) -> None:
     """Delete a plan and what was made of it."""
     with database.transaction() as cursor:
@@ -179,7 +184,9 @@ def _row(database: Database, plan: str, columns: str) -> sqlite3.Row:
 
 def _show(row: sqlite3.Row) -> Json:
     values: dict[str, Any] = {name: row[name] for name in _SHOWN}
-    return {**values, "partial": bool(row["partial"]), "facts": json.loads(row["facts"]), "stale": _stale(row)}
+    change = None if row["change"] is None else json.loads(row["change"])
+    told = {"partial": bool(row["partial"]), "facts": json.loads(row["facts"]), "change": change}
+    return {**values, **told, "stale": _stale(row)}
 
 
 def _stale(row: sqlite3.Row) -> list[str]:

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rota.errors import NoPlanFound, RotaError
+from rota.files.plan_file import plan_from_text, plan_text as text_of_plan
 from rota.planning.make_plan import PlanSearch, search_plan
+from rota.replanning.replan import replan
 from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import job_source
-from rota.web.store.plans import NewPlan, finish_plan, forget_old_steps, forget_steps, keep_plan
+from rota.web.store.plans import NewPlan, finish_plan, forget_old_steps, forget_steps, keep_plan, plan_text
 from rota.web.tasks.context import Context, lay_out
 from rota.web.tasks.validate import faults_json, judged_document
 
@@ -39,8 +41,11 @@ class PlanningJob:
     def run(self) -> Json:
         """Plan; returns what became of it: {outcome: done | no_plan | stopped | failed, message, plan}."""
         forget_old_steps(self._context.database)
+        document, files, self._source = job_source(self._context.database, self._job)
+        if self._source["change"] is not None:
+            return self._replan(**self._source["change"])
         try:
-            mission, asked = self._mission()
+            mission = self._mission(document, files)
         except RotaError as error:
             faults = error.faults if isinstance(error, Refusal) else []
             lines = [
@@ -49,7 +54,7 @@ class PlanningJob:
             return self._outcome("failed", "\n".join([str(error), *lines]))
         try:
             search = search_plan(
-                mission, seed=asked["seed"], time_limit_s=asked["time_limit_s"], progress=self._progress,
+                mission, seed=self._source["seed"], time_limit_s=self._source["time_limit_s"], progress=self._progress,
                 should_stop=self._stop.is_set, on_better=self._better,
             )  # fmt: skip
         except NoPlanFound as failure:
@@ -58,16 +63,32 @@ class PlanningJob:
             return self._outcome("failed", str(error))
         return self._tell_found(search)
 
-    def _mission(self) -> tuple[Mission, Json]:
+    def _mission(self, document: Json, files: dict[str, bytes]) -> Mission:
         """The mission that the job asks for, with its effort."""
-        document, files, asked = job_source(self._context.database, self._job)
-        self._source = asked
         with lay_out(files) as folder:
             judged = judged_document(document, folder, self._context.vertices)
         if judged.mission is None:
             raise Refusal(422, "the mission has faults", faults_json(judged))
-        mission = judged.mission
-        return (mission if asked["effort"] is None else mission.with_effort(asked["effort"])), asked
+        effort = self._source["effort"]
+        return judged.mission if effort is None else judged.mission.with_effort(effort)
+
+    def _replan(self, plan: str, at_s: float, lost: list[str]) -> Json:
+        """Replan from a moment of a plan on without these robots."""
+        try:
+            before = plan_from_text(plan_text(self._context.database, plan), "the plan")
+            found = replan(
+                before, at_s=at_s, lost=lost, seed=self._source["seed"], time_limit_s=self._source["time_limit_s"],
+                should_stop=self._stop.is_set, progress=self._progress,
+                on_better=lambda one: self._better(one.plan, one.report),
+            )  # fmt: skip
+        except NoPlanFound as failure:
+            return self._no_plan(failure)
+        except RotaError as error:
+            return self._outcome("failed", str(error))
+        met, stopped = found.meets_demand, self._stop.is_set()
+        kept = self._keep(found.plan, found.report, (), is_better=False, partial=not met)
+        message = None if met else "the robots that remain do not meet the demand: this is the least late plan found"
+        return self._outcome("stopped" if stopped else "done", message, kept, len(found.plan.trajectories), met)
 
     def _progress(self, fraction: float, doing: str) -> None:
         now_s = time.monotonic()
@@ -123,7 +144,6 @@ class PlanningJob:
 def new_plan(plan: Plan, report: Report, facts: tuple[str, ...], **more: object) -> NewPlan:
     """A plan with what lists show of it: the longest loop's worst ratio, the length of all loops, what was found."""
     from rota.check import report_to_json
-    from rota.files.plan_file import plan_text
 
     planning = plan.mission.planning
     told = report_to_json(report)
@@ -140,6 +160,6 @@ def new_plan(plan: Plan, report: Report, facts: tuple[str, ...], **more: object)
         "partial": report.verdict != "met",
         "facts": facts,
         "report": told,
-        "text": plan_text(plan, meets_demand=report.verdict == "met"),
+        "text": text_of_plan(plan, meets_demand=report.verdict == "met"),
     }
     return NewPlan(**{**values, **more})

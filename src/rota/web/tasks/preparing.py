@@ -10,15 +10,18 @@ from rota.model.planner_registry import DEFAULT
 from rota.planning.first_run import compile_by_two
 from rota.planning.make_plan import search_plan
 from rota.planning.planner import planner_named, planner_of
+from rota.replanning.replan import replan
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context
 
 
 def load_planning() -> None:
-    """Plan a yard, so that what planning and checking run is loaded, and compiled where it was not yet."""
+    """Plan a yard, and replan it, so that what both and checking run is loaded, and compiled where it was not yet."""
     mission = _yard()
     with compile_by_two(planner_of(mission)):
-        search_plan(mission)
+        found = search_plan(mission)
+    (line,) = found.plan
+    replan(found.plan, at_s=1.0, lost=[line.robot], joined={"new": (2.0, 2.0)}, should_stop=lambda: True)
 
 
 def prepare(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:

@@ -6,7 +6,7 @@ import gzip
 import tempfile
 from pathlib import Path
 
-from rota.errors import PlanError
+from rota.errors import MissionError, PlanError
 from rota.files.plan_file import plan_from_text
 from rota.model.plan import Plan
 from rota.web.refusal import Json, Refusal
@@ -31,6 +31,18 @@ def keep_uploaded_plan(context: Context, given: Json, body: bytes) -> tuple[Json
         raise Refusal(422, "this is no plan that can be used", faults) from None
     new = new_plan(plan, check_plan(plan), ())
     return {"plan": keep_plan(context.database, new, most=context.plans)}, b""
+
+
+def require_change(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """Refuse a change that cannot be, such as the loss of all robots; the message says what was asked."""
+    from rota.replanning.situation import Change, situation_after
+
+    change = Change(at_s=given["at_s"], lost=tuple(given["lost"]), joined={}, late={})
+    try:
+        situation_after(kept_plan(context, given), change)
+    except MissionError as error:
+        raise Refusal(422, str(error)) from None
+    return {}, b""
 
 
 def playback(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:

@@ -31,6 +31,7 @@ TASKS = {
     "playback": "rota.web.tasks.show:playback",
     "picture": "rota.web.tasks.show:picture",
     "page": "rota.web.tasks.show:page",
+    "require_change": "rota.web.tasks.show:require_change",
     "export": "rota.web.tasks.export:export",
     "schema": "rota.web.tasks.about:mission_schema_text",
     "require_plannable": "rota.web.tasks.validate:require_plannable",

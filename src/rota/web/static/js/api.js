@@ -138,6 +138,7 @@ export const api = {
   plans: () => json("/api/plans"),
   plan: (id) => json(`/api/plans/${at(id)}`),
   uploadPlan: (file) => ask("/api/plans", { method: "POST", body: form([file], "file") }).then((r) => r.json()),
+  replan: (id, body) => json(`/api/plans/${at(id)}/replan`, "POST", body),
   deletePlan: (id) => json(`/api/plans/${at(id)}`, "DELETE"),
   playback: (id, signal) => ask(`/api/plans/${at(id)}/playback`, { signal }).then((r) => r.arrayBuffer()),
 

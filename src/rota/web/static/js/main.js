@@ -37,6 +37,8 @@ class Page {
     this.plan = null; // the id of the plan that is chosen
     this.better = null; // the id of the best plan so far, while a job of this mission runs
     this.soFar = null; // that plan as lists show it
+    this.replanned = null; // the job that replans, and the plan that it goes on from
+    this.watching.replan = (plan, change) => this.replan(plan, change);
     this.listen();
   }
 
@@ -62,7 +64,7 @@ class Page {
       this.tabs.show("plan");
       plans.add(event.detail);
     });
-    jobs.addEventListener("started", () => this.choosePlan(null));
+    jobs.addEventListener("started", (event) => event.detail.change === null && this.choosePlan(null));
     jobs.addEventListener("better", (event) => this.showBetter(event.detail));
     jobs.addEventListener("ended", (event) => this.jobEnded(event.detail));
     jobs.addEventListener("outdated", () => this.lookElsewhere());
@@ -248,9 +250,31 @@ class Page {
     await this.showPlan(id, true);
   }
 
-  async showBetter({ mission, plan }) {
-    if (this.plan !== null || mission !== this.editor.keeper.id) {
+  /** Replans from a moment of a plan on; that plan stays on the map until another one can take over. */
+  async replan(plan, change) {
+    try {
+      const job = await this.jobs.replan(plan, change);
+      this.replanned = { job: job.id, plan };
+      this.watching.say("Replanning…");
+    } catch (error) {
+      this.watching.say(`It could not be replanned: ${messageOf(error)}`);
+    }
+  }
+
+  /** Whether a job's plans are shown as they come: it replans what is shown, or plans the mission, of which none is. */
+  shows(job) {
+    return job.id === this.replanned?.job
+      ? this.plan === this.replanned.plan || (this.plan === null && this.better !== null)
+      : this.plan === null && job.mission === this.editor.keeper.id && job.change === null;
+  }
+
+  async showBetter({ job, plan }) {
+    if (!this.shows(job)) {
       return;
+    }
+    if (this.plan !== null) {
+      this.plan = null;
+      this.plans.choose(null);
     }
     this.better = plan;
     // what there is so far stands among the plans, and can be taken away too
@@ -268,7 +292,10 @@ class Page {
 
   async jobEnded(job) {
     await this.plans.refresh();
-    if (job.plan !== null && this.plan === null && job.mission === this.editor.keeper.id) {
+    if (job.id === this.replanned?.job && job.plan === null) {
+      this.watching.say(`It could not be replanned: ${job.message ?? job.state}`);
+    }
+    if (job.plan !== null && this.shows(job)) {
       await this.showChosen(job.plan);
     } else {
       this.tellPlanning();

@@ -16,7 +16,7 @@ export function stopsOf(playback, lost) {
 }
 
 /**
- * Seconds since each entry was last seen; Infinity: not yet.
+ * Seconds since each entry was last seen, also before a plan took over from another one; Infinity: not yet.
  * @param {Playback} playback
  * @param {number} time
  * @param {Float64Array} stops see `stopsOf`
@@ -25,11 +25,12 @@ export function stopsOf(playback, lost) {
 export function agesInto(playback, time, stops, out) {
   const { sight_offsets: offsets, sight_robot: who, sight_start_s: starts, sight_end_s: ends, sight_loops: loops } =
     playback.arrays;
+  const before = playback.arrays.cell_before_s;
   const team = clocksAt(playback, time, stops);
   const { until, behind, local, turned, loop } = team;
   const entries = playback.entries;
   for (let entry = 0; entry < entries; entry++) {
-    let youngest = Infinity;
+    let youngest = before ? time - before[entry] : Infinity;
     for (let i = offsets[entry]; i < offsets[entry + 1]; i++) {
       const robot = who[i];
       let age;

@@ -71,6 +71,7 @@ export function drawGround(stage, playback, colours, shown, lost) {
     drawRoutes(context, playback, colours, pixel, lost);
     if ("turn_time_s" in playback.arrays) drawTurns(context, playback, colours, pixel);
   }
+  if (playback.header.seam) drawWaysBefore(context, playback.header.seam, colours, pixel);
   drawNames(stage, mission, colours);
 }
 
@@ -103,6 +104,33 @@ function drawRoutes(context, playback, colours, pixel, lost) {
   });
   context.setLineDash([]);
   context.globalAlpha = 1;
+}
+
+/** How robots came to where the plan takes over, dotted in grey; a cross where one was lost. */
+function drawWaysBefore(context, { ways, lost }, colours, pixel) {
+  context.strokeStyle = colours.away;
+  context.lineWidth = 2 * pixel;
+  context.setLineDash([2 * pixel, 3 * pixel]);
+  for (const { positions_m: places } of ways) {
+    context.beginPath();
+    places.forEach(([x, y]) => context.lineTo(x, y));
+    context.stroke();
+  }
+  context.setLineDash([]);
+  context.beginPath();
+  for (const { robot, positions_m: places } of ways) if (lost.includes(robot)) cross(context, ...places.at(-1), pixel);
+  context.strokeStyle = colours.danger;
+  context.lineWidth = 2.5 * pixel;
+  context.stroke();
+}
+
+/** Adds a cross to a path, where a robot is lost. */
+export function cross(context, x, y, pixel) {
+  const arm = 7 * pixel;
+  context.moveTo(x - arm, y - arm);
+  context.lineTo(x + arm, y + arm);
+  context.moveTo(x - arm, y + arm);
+  context.lineTo(x + arm, y - arm);
 }
 
 /** A short bar across the way wherever a bouncing robot turns: where it bumps, or its clock tells it to. */

@@ -18,7 +18,7 @@ export class Panel {
       this._summary(),
       this._transport(),
       this._view(),
-      ...[this._coverage(), this._bumps(), this._demands(), this._robots(), this._place(), this._losses(), this._wrongs()].filter(Boolean),
+      ...[this._change(), this._coverage(), this._bumps(), this._demands(), this._robots(), this._place(), this._losses(), this._wrongs()].filter(Boolean),
     );
     host.replaceChildren(this.root);
   }
@@ -33,6 +33,28 @@ export class Panel {
       el("p", {}, el("strong", { class: `rota-verdict rota-${report.verdict.replace(" ", "-")}`, text: report.verdict }),
         ` · ${count(robots.length, "robot")}${bound} · planner ${plan.planner}`),
     );
+  }
+
+  /** Where the plan takes over from another one: who is lost, how late that makes places, when all holds again. */
+  _change() {
+    const { report, seam } = this.playback.header;
+    if (!seam) return null;
+    const { lateness } = report;
+    const lost = seam.lost.length ? `; lost: ${seam.lost.join(", ")}` : "";
+    const rows = lateness.demands.map((late) => {
+      const { period_s: period } = this.playback.demands.find(({ name }) => name === late.name);
+      const name = late.place_m === null ? late.name : el("button", {
+        type: "button", class: "rota-link", text: late.name, title: "Show the place that is late by most",
+        on: { click: () => this.player.showLateness(late, period) },
+      });
+      return [name, lateText(late)];
+    });
+    const again = lateness.holds_again_s === null ? "Some period does not hold again." : lateness.holds_again_s === 0
+      ? "Every period holds throughout." : `Every period holds again from ${reading(lateness.holds_again_s)} on.`;
+    return section("The change", true,
+      el("p", { text: `0:00.0 is ${reading(seam.at_s)} of the plan before${lost}.` }),
+      el("p", {}, el("strong", { text: again })),
+      table("How late places are since the change", ["zone", "late at most"], rows));
   }
 
   _transport() {
@@ -288,8 +310,37 @@ export class Panel {
     ]);
     const told = losses.zones.length ? table("What lapses", ["zone", "first at", "after the loss", "lapses"], rows)
       : el("p", { text: playback.entries ? "Nothing more lapses: the others are on time without them." : "Nothing is asked of the ground." });
-    this.losses.replaceChildren(el("p", { text: `Without ${who}:` }), told);
+    this.losses.replaceChildren(el("p", { text: `Without ${who}:` }), told, ...this._offer());
   }
+
+  /** The button that asks for a plan for those that remain when the first one is lost. */
+  _offer() {
+    const { player, playback } = this;
+    const { lost } = player.losses;
+    if (player.replan === null || !lost.size || lost.size === playback.robots.length) return [];
+    const at = Math.min(...lost.values());
+    const gone = [...lost].filter(([, from]) => from === at).map(([k]) => playback.robots[k].name);
+    const later = gone.length < lost.size ? " Who is lost later is lost again in the new plan." : "";
+    const ask = el("button", {
+      type: "button", class: "rota-replan", text: "Replan for those that remain",
+      on: {
+        click: async () => {
+          ask.disabled = true;
+          await player.replan({ at_s: at, lost: gone });
+          ask.disabled = false;
+        },
+      },
+    });
+    return [el("div", { class: "rota-row" }, ask),
+      el("p", { class: "rota-hint", text: `From ${reading(at)} on without ${gone.join(", ")}, from where all are then.${later}` })];
+  }
+}
+
+/** By how much a demand is late at most; without an upper bound, by how much some place is. */
+function lateText({ worst_s: most, worst_at_least_s: least }) {
+  if (least === null) return "never seen again";
+  if (most === null) return `${seconds(least)} or more`;
+  return most > 0 ? seconds(most) : "not late";
 }
 
 /** Now as a field for date and time takes it. */

@@ -29,6 +29,11 @@ function nameOf(node) {
   return node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
 }
 
+/** Whether two plans take over at one moment, without the same robots. */
+function sameChange(seam, other) {
+  return Boolean(other) && seam.at_s === other.at_s && String(seam.lost) === String(other.lost);
+}
+
 /** A place in the plan's own metres. */
 function inMetres(x, y) {
   return `(${plain(x)}, ${plain(y)}) m`;
@@ -46,10 +51,12 @@ export class Player extends EventTarget {
    * @param {(x: number, y: number) => any} [options.project] metres to LatLng; default lat = y, lng = x
    * @param {(x: number, y: number) => string} [options.where] metres as a place in words
    * @param {number} [options.opacity] of the heat map, for a map with tiles below
+   * @param {((change: {at_s: number, lost: string[]}) => Promise<void>)|null} [options.replan] asks for a plan that
+   *   takes over; null: nobody can be asked
    */
-  constructor({ playback, map, controls, project = (x, y) => L.latLng(y, x), where = inMetres, opacity = 1 }) {
+  constructor({ playback, map, controls, project = (x, y) => L.latLng(y, x), where = inMetres, opacity = 1, replan = null }) {
     super();
-    Object.assign(this, { map, controls, project, where, opacity });
+    Object.assign(this, { map, controls, project, where, opacity, replan });
     this.shown = { footprints: true, routes: playback.robots.length <= MANY, trails: true };
     this._colours = colours();
     this._endTheme = onThemeChange(() => this._recolour());
@@ -82,6 +89,7 @@ export class Player extends EventTarget {
 
   /** Makes everything that depends on the playback. */
   _take(playback, before) {
+    const shown = this.playback;
     this.playback = playback;
     this.clock = new Clock(playback.clock);
     this.clock.time = Clock.steady(playback.clock, playback.header.report.first_coverage_s);
@@ -91,6 +99,9 @@ export class Player extends EventTarget {
       const time = Math.min(before.time, this.clock.end);
       this.clock.time = this._sought ? time : Math.max(time, this.clock.time);
     }
+    // a plan that takes over is looked at from the change on
+    const { seam } = playback.header;
+    if (seam && !(shown && sameChange(seam, shown.header.seam))) this.clock.time = 0;
     /** What is heard of robots that are watched now; null: the plan is played. */
     this.live = null;
     // a place that no loop sees only grows older
@@ -244,6 +255,15 @@ export class Player extends EventTarget {
     if (violation.place_m !== null) this.flyTo(...violation.place_m);
     this.panel.say(violation.text);
     this.dispatchEvent(new CustomEvent("violation", { detail: { violation } }));
+  }
+
+  /** Goes to a place and a moment at which it has not been seen for longest since a plan took over. */
+  showLateness({ place_m: [x, y], time_s: time, worst_at_least_s: late }, period) {
+    this.seek(Math.max(0, time + period + (late ?? period)));
+    this.setMode("age");
+    const entry = this._entryAt(x, y);
+    if (entry >= 0) this.choosePlace(entry);
+    this.flyTo(x, y);
   }
 
   /** Goes to where and when a zone lapses first after a loss. */

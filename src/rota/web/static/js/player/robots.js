@@ -1,6 +1,6 @@
 /** Robots where they are, what they see, the trails behind them, and where bouncing ones have just bumped. */
 
-import { write } from "./ground.js";
+import { cross, write } from "./ground.js";
 
 const MOST_CUT = 24; // robots whose footprints are cut by walls
 const MOST_NAMED = 60;
@@ -200,14 +200,7 @@ export class Robots {
     context.strokeStyle = colours.danger;
     context.lineWidth = 2.5 * pixel;
     context.beginPath();
-    const arm = 7 * pixel;
-    for (const k of groups.lost) {
-      const [x, y] = [this.places[2 * k], this.places[2 * k + 1]];
-      context.moveTo(x - arm, y - arm);
-      context.lineTo(x + arm, y + arm);
-      context.moveTo(x - arm, y + arm);
-      context.lineTo(x + arm, y - arm);
-    }
+    for (const k of groups.lost) cross(context, this.places[2 * k], this.places[2 * k + 1], pixel);
     context.stroke();
     if (chosen >= 0 && !Number.isNaN(this.places[2 * chosen])) {
       context.beginPath();

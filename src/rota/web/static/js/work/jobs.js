@@ -4,10 +4,11 @@ import { api, ApiError, connection } from "../api.js";
 import { button, el } from "../dom.js";
 import { textInWords } from "../editor/words.js";
 import { confirmed, messageOf, notify, notifyError } from "../notices.js";
-import { robotsText } from "./stale.js";
+import { changeText, robotsText } from "./stale.js";
 
 const POLL_MS = 2000;
 const TICK_MS = 1000;
+const REPLAN_S = 20; // of the search for better plans that take over
 const TOLD = "rota-interrupted"; // the newest job of which was told that it was interrupted
 const ACTIVE = ["queued", "running"];
 const WORDS = {
@@ -113,6 +114,13 @@ export class Jobs extends EventTarget {
     this.dispatchEvent(new CustomEvent("started", { detail: job }));
   }
 
+  /** Replans from a moment of a plan on; resolves to the job. */
+  async replan(plan, change) {
+    const job = await api.replan(plan, { ...change, time_limit_s: REPLAN_S });
+    this.followNew(job);
+    return job;
+  }
+
   /** Reads a job's events until it ends. */
   follow(id) {
     this.endEvents();
@@ -129,7 +137,7 @@ export class Jobs extends EventTarget {
     const plan = job?.best?.plan ?? null;
     if (plan !== null && plan !== this.bestPlan && job.id === this.followed) {
       this.bestPlan = plan;
-      this.dispatchEvent(new CustomEvent("better", { detail: { mission: job.mission, plan } }));
+      this.dispatchEvent(new CustomEvent("better", { detail: { job, plan } }));
     }
   }
 
@@ -213,7 +221,8 @@ export class Jobs extends EventTarget {
   row(job) {
     const state = el("span", { class: `state state-${job.state}` }, WORDS[job.state] ?? job.state);
     const head = el("div", { class: "row" }, el("strong", { class: "grow" }, job.mission_name ?? ""), state);
-    const parts = [head, el("p", { class: "soft" }, [job.planner, job.effort, `seed ${job.seed}`].filter(Boolean).join(" · "))];
+    const facts = [job.planner, job.effort, `seed ${job.seed}`, changeText(job)];
+    const parts = [head, el("p", { class: "soft" }, facts.filter(Boolean).join(" · "))];
     if (isActive(job)) {
       const fraction = job.progress?.fraction;
       const bar = el("progress", { max: "1", "aria-label": `Progress of ${job.mission_name}` });

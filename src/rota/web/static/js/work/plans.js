@@ -3,7 +3,7 @@
 import { api } from "../api.js";
 import { button, el } from "../dom.js";
 import { confirmed, messageOf, notify } from "../notices.js";
-import { changesText, isStale, verdictBadge } from "./stale.js";
+import { changeText, changesText, isStale, verdictBadge } from "./stale.js";
 
 const HELP = {
   Least: "No plan with fewer robots exists; that is proved.",
@@ -72,9 +72,10 @@ export class Plans extends EventTarget {
     }
   }
 
-  /** The plan that is shown when none was chosen: the newest that holds and is met, or the newest; null for none. */
+  /** The plan that is shown when none was chosen: the newest that holds and is met, or the newest; none that takes over. */
   get best() {
-    const own = this.plans.filter((plan) => plan.mission !== null && plan.mission === this.mission);
+    const isOwn = (plan) => plan.mission !== null && plan.mission === this.mission && !plan.change;
+    const own = this.plans.filter(isOwn);
     return own.find((plan) => !isStale(plan) && plan.verdict === "met") ?? own[0] ?? null;
   }
 
@@ -117,7 +118,8 @@ export class Plans extends EventTarget {
   rows(plan) {
     const isSoFar = plan === this.soFar;
     const chosen = plan.id === this.chosen || (isSoFar && this.chosen === null);
-    const name = this.everywhere.checked || !plan.planner ? plan.name : [plan.planner, plan.effort].filter(Boolean).join(", ");
+    const kind = this.everywhere.checked || !plan.planner ? [plan.name] : [plan.planner, plan.effort];
+    const name = [...kind, changeText(plan)].filter(Boolean).join(", ");
     const watch = button(name, () => this.dispatchEvent(new CustomEvent("watch", { detail: isSoFar ? null : plan.id })), { class: "link", "aria-pressed": String(chosen), "aria-label": `Watch ${name}, ${plan.robots} robots` });
     const verdict = verdictBadge(plan, this.unsure && plan.mission === this.mission);
     const cells = [

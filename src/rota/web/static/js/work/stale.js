@@ -11,6 +11,11 @@ export function changesText(plan) {
   return [...stale.slice(0, MOST_TOLD), ...more].join(", ");
 }
 
+/** From when on a plan or job goes on from another plan, and without whom; nothing for others. */
+export function changeText({ change }) {
+  return change ? `from ${Number(change.at_s.toFixed(1))} s on without ${change.lost.join(", ")}` : "";
+}
+
 /** How many robots a plan has. */
 export function robotsText({ robots }) {
   return robots === 1 ? "1 robot" : `${robots} robots`;

@@ -25,6 +25,7 @@ export class Watching {
     this.frame = null; // of the editor
     this.running = null;
     this.notice = null; // above the player
+    this.replan = async () => undefined; // asked for a plan that takes over from the one that is shown
     this.tell(false);
   }
 
@@ -88,7 +89,7 @@ export class Watching {
       this.player?.destroy();
       this.playedIn = key;
       const place = this.placing(origin);
-      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), ...this.words(origin), opacity: this.frame.tiled ? SHEER : 1 });
+      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), ...this.words(origin), replan: (change) => this.replan(this.shown, change), opacity: this.frame.tiled ? SHEER : 1 });
     }
     this.describe(this.notice);
     if (fit) {
@@ -119,6 +120,11 @@ export class Watching {
     }
     const own = new Frame("metres", origin, false);
     return (x, y) => own.metresToMap(x, y, origin);
+  }
+
+  /** Says something once, where the player is. */
+  say(text) {
+    this.player?.panel.say(text);
   }
 
   stopLoading() {
