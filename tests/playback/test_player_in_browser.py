@@ -17,11 +17,14 @@ from tests.draw.conftest import loop
 from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_s
+from tests.relieved import relieved
 
 from rota import Plan, check_plan, replan
+from rota.check.batteries import batteries_of
 from rota.model.mission import MovingObstacle
 from rota.playback.container import unpack
 from rota.playback.page import page_text
+from rota.routes.flights import on_charger
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -91,6 +94,44 @@ def only(arrays: dict[str, Any], some: Any) -> dict[str, Any]:
     sights = {name: arrays[name][kept] for name in ("sight_robot", "sight_start_s", "sight_end_s", "sight_loops")}
     of_entries = {name: arrays[name][some] for name in ("cell_index", "cell_before_s") if name in arrays}
     return {**of_entries, "sight_offsets": offsets, **sights}
+
+
+AWAY_PX = """[0, 2].map((k) => {
+  const { robots, playback, _stage: stage } = rotaPlayer;
+  const [x, y] = playback.header.mission.chargers[0].at;
+  return Math.hypot(robots.places[2 * k] - x, robots.places[2 * k + 1] - y) * stage.pixelsPerMetre;
+})"""
+CHARGES = """([times]) => {
+  const { playback } = rotaPlayer;
+  return times.map((time) => playback.robots.map((_, k) => [playback.charge(k, time), playback.chargerAt(k, time)]));
+}"""
+
+
+def test_batteries_in_the_browser_are_those_of_films_and_who_charges_stands_beside_its_charger(
+    opened: Open, offline_page: Page
+) -> None:
+    plan = relieved(3)
+    _, arrays = opened(plan)
+    times_s = [0.0, 10, 170, 190, 330, 350, 479.9, 480, 650, 4800 + 190, 48000 + 330]
+    told = np.array(offline_page.evaluate(CHARGES, [times_s]), np.float64)
+    shares = [[battery.share_at(time_s) for battery in batteries_of(plan)] for time_s in times_s]  # type: ignore[union-attr]
+    assert told[..., 0] == pytest.approx(np.array(shares), abs=1e-6)
+    docked = np.array([on_charger(trajectory, np.array(times_s)) for trajectory in plan]).T
+    assert ((told[..., 1] == 0) == docked).all()
+    assert ((told[..., 1] == -1) == ~docked).all()
+    # nobody is seen by who charges: at 250 s robots 1 and 3 do
+    seen_by = arrays["sight_robot"][(arrays["sight_start_s"] <= 250) & (arrays["sight_end_s"] >= 250)]
+    assert set(seen_by) == {1}
+    offline_page.evaluate("rotaPlayer.seek(250)")
+    rows = offline_page.locator(".rota-player tbody tr", has=offline_page.get_by_role("button", name="Lost"))
+    until(offline_page, "document.body.textContent.includes(', on ')")
+    texts = [rows.nth(k).locator("td").nth(2).text_content() or "" for k in range(3)]
+    assert [", on " in text for text in texts] == [True, False, True]
+    percents = [float(text.split(" ")[0]) for text in texts]
+    # a flight takes 180 of 400 s, a second of charging gives back two: 70 s and 70 + 160 s on the pad fill it
+    assert percents == pytest.approx([100 * (220 + 140) / 400, 100 * (400 - 90) / 400, 100], abs=0.5)
+    away_px = offline_page.evaluate(AWAY_PX)
+    assert away_px == pytest.approx([24, 24])
 
 
 def test_a_lost_robot_shows_what_lapses_and_undo_takes_it_back(opened: Open, offline_page: Page) -> None:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from rota.draw.batteries import Battery, batteries_of
+from rota.check.batteries import Battery, batteries_of
 from rota.draw.mission_picture import FONT_PT, plain
 from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, RESERVE, RESTS, pale, route_style
 from rota.draw.routes import service_in

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from rota.draw.batteries import batteries_of
+from rota.check.batteries import batteries_of
 from rota.draw.chargers import draw_chargers
 from rota.draw.mission_picture import points_per_metre
 from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on, route_style

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rota.cells.cell_map import CellMap, cell_map_of
 from rota.check import revisits, seeable, standing
+from rota.check.charging import undocked_routes
 from rota.check.demands import demands_of
 from rota.check.late_samples import sights_before
 from rota.check.presence import away_times_s
@@ -73,7 +74,8 @@ def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
     regions = {demand.name: demand.region for demand in demands_of(mission)}
     index, demands = np.flatnonzero(asked), owner[asked]
     kept = ~excluded
-    routes = sights_along(routes_of(plan), sensors_of(plan), mission, mission.area.bounds)
+    driven = undocked_routes(routes_of(plan), plan)
+    routes = sights_along(driven, sensors_of(plan), mission, mission.area.bounds)
     places = points_m[kept], [regions[demand.name] for _, demand in visits]
     sights = sights_by_plan(routes, *places)
     periods_s = np.array([demand.period_s for demand in report.demands], np.float64)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.batteries import Battery, batteries_of
 from rota.check.report import Report, report_to_json
 from rota.check.routes import routes_of
 from rota.model.mission import DiscSensor, Robot
@@ -38,15 +40,20 @@ def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
     """
     plan = plan_at_constant_speeds(plan)
     seen = seen_cells(plan, report, cells)
+    batteries = batteries_of(plan)
     bounces, more = _bounces(plan, report)
     coverage = bounces.pop("coverage", None) or range_over_time(plan)
     header: Json = {
         "plan": _plan_header(plan, report),
         "seam": None if plan.seam is None else _seam_header(plan.seam),
-        "mission": {**ground_to_json(plan.mission), "moving_obstacles": _moving(plan)},
+        "mission": {
+            **ground_to_json(plan.mission),
+            "moving_obstacles": _moving(plan),
+            "chargers": [{"name": charger.name, "at": list(charger.at)} for charger in plan.mission.chargers],
+        },
         "bounds_m": [float(value) for value in plan.mission.area.bounds],
         "clock": clock_of(plan),
-        "robots": [_robot_header(plan, trajectory) for trajectory in plan],
+        "robots": [_robot_header(plan, one, battery) for one, battery in zip(plan, batteries, strict=True)],
         "demands": [
             {
                 "name": demand.name,
@@ -63,7 +70,16 @@ def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
         "coverage": None if coverage is None else coverage.header,
         "cells": bounces.get("cells"),
     }
-    return pack(header, {**_corner_arrays(plan), **_cell_arrays(seen), **_coverage_arrays(coverage), **more})
+    return pack(
+        header,
+        {
+            **_corner_arrays(plan),
+            **_cell_arrays(seen),
+            **_coverage_arrays(coverage),
+            **_battery_arrays(batteries),
+            **more,
+        },
+    )
 
 
 def clock_of(plan: Plan) -> Json:
@@ -109,9 +125,10 @@ def _seam_header(seam: Seam) -> Json:
     return {"at_s": seam.at_s, "lost": list(seam.lost), "ways": ways}
 
 
-def _robot_header(plan: Plan, trajectory: Trajectory) -> Json:
-    """One robot and its clock."""
+def _robot_header(plan: Plan, trajectory: Trajectory, battery: Battery | None) -> Json:
+    """One robot, its clock, its stays at chargers by their numbers, and its battery."""
     robot = plan.mission.fleet.robot(trajectory.robot)
+    names = [charger.name for charger in plan.mission.chargers]
     return {
         "name": robot.name,
         "sensor": _sensor(robot),
@@ -122,7 +139,15 @@ def _robot_header(plan: Plan, trajectory: Trajectory) -> Json:
         "loops": trajectory.loop_duration_s > 0,
         "joins_s": float(robot.joins_s),
         "leaves_s": None if robot.leaves_s is None else float(robot.leaves_s),
+        "charges": [[charge.from_s, charge.until_s, names.index(charge.charger)] for charge in trajectory.charges],
+        "battery": None if battery is None else _battery_header(battery),
     }
+
+
+def _battery_header(battery: Battery) -> Json:
+    """The share that is the reserve, and from when on the levels repeat."""
+    reserve = battery.reserve_s / battery.full_s
+    return {"reserve": reserve, "again_s": float(battery.again_s), "every_s": float(battery.round_s)}
 
 
 def _sensor(robot: Robot) -> Json:
@@ -191,6 +216,21 @@ def _cell_arrays(seen: SeenCells) -> Arrays:
         "sight_start_s": seen.sights.starts_s.astype(np.float32),
         "sight_end_s": seen.sights.ends_s.astype(np.float32),
         "sight_loops": seen.sights.again.astype(np.uint8),
+    }
+
+
+def _battery_arrays(batteries: Sequence[Battery | None]) -> Arrays:
+    """The share that is left in each battery until it repeats, and once more; a swap has two shares at one time."""
+    if not any(batteries):
+        return {}
+    lines = [
+        (np.empty(0), np.empty(0)) if battery is None else battery.line(battery.again_s + battery.round_s)
+        for battery in batteries
+    ]
+    return {
+        "battery_offsets": np.cumsum([0, *(len(times_s) for times_s, _ in lines)]).astype(np.uint32),
+        "battery_time_s": np.concatenate([times_s for times_s, _ in lines]),
+        "battery_share": np.concatenate([shares for _, shares in lines]).astype(np.float32),
     }
 
 

@@ -2,6 +2,8 @@
 
 import { boundsOf } from "./playback.js";
 
+// from its upper end on, within -1 .. 1
+const BOLT = [[0.25, 1], [-0.65, -0.15], [-0.05, -0.15], [-0.25, -1], [0.65, 0.2], [0.05, 0.2]];
 const MOST_CORNERS = 60_000; // with more, routes would take longer than a frame to draw
 
 /** Adds polygons to the path of a context in metres. */
@@ -71,6 +73,7 @@ export function drawGround(stage, playback, colours, shown, lost) {
     drawRoutes(context, playback, colours, pixel, lost);
     if ("turn_time_s" in playback.arrays) drawTurns(context, playback, colours, pixel);
   }
+  drawChargers(stage, mission, pixel);
   if (playback.header.seam) drawWaysBefore(context, playback.header.seam, colours, pixel);
   drawNames(stage, mission, colours);
 }
@@ -104,6 +107,26 @@ function drawRoutes(context, playback, colours, pixel, lost) {
   });
   context.setLineDash([]);
   context.globalAlpha = 1;
+}
+
+/** A square with a bolt and the name at each charger. */
+function drawChargers(stage, { chargers }, pixel) {
+  const context = stage.inPixels("shapes");
+  context.font = "600 11px system-ui, sans-serif";
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  for (const { at, name } of chargers) {
+    const [x, y] = stage.toPixels(...at);
+    context.fillStyle = "#ffe45c";
+    context.strokeStyle = "#222222";
+    context.lineWidth = 1.25;
+    context.fillRect(x - 6, y - 6, 12, 12);
+    context.strokeRect(x - 6, y - 6, 12, 12);
+    context.beginPath();
+    BOLT.forEach(([right, up]) => context.lineTo(x + 4.5 * right, y - 4.5 * up));
+    context.fillStyle = "#222222";
+    context.fill();
+  }
 }
 
 /** How robots came to where the plan takes over, dotted in grey; a cross where one was lost. */

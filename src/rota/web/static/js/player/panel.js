@@ -133,7 +133,8 @@ export class Panel {
       entries: () => [scale("1", `${this.playback.header.cells?.most} times`), swatch("", "entered later: faint")],
       none: () => (this.player.coversGround ? [swatch("rota-covered", "in range of some robot")] : []),
     };
-    this.legend.replaceChildren(...keys[mode]());
+    const charging = this.playback.hasBatteries ? [swatch("rota-charging", "on a charger, sees nothing"), swatch("rota-battery", "battery")] : [];
+    this.legend.replaceChildren(...keys[mode](), ...charging);
   }
 
   _coverage() {
@@ -188,6 +189,7 @@ export class Panel {
     const { robots } = this.playback;
     if (!robots.length) return null;
     this.robotRows = [];
+    this.batteries = this.playback.hasBatteries ? robots.map(() => el("span", {})) : null;
     const button = (k) => {
       const lose = el("button", { type: "button", on: { click: () => this.player.toggleLoss(k) } });
       this.robotRows[k] = lose;
@@ -199,9 +201,11 @@ export class Panel {
         el("button", { type: "button", class: "rota-link", text: robot.name === `robot-${k + 1}` ? robot.name : `${k + 1} ${robot.name}`, title: "Show it on the map",
           on: { click: () => this.player.chooseRobot(k, true) } }),
         robot.loops ? `loop ${seconds(robot.end_s - robot.loop_start_s)}` : "stays in the end",
+        ...(this.batteries ? [this.batteries[k]] : []),
         button(k),
       ]);
-      return section(`Robots (${robots.length})`, robots.length <= 12, table("Robots", ["robot", "goes", "lost from now on"], rows), this.undo);
+      const heads = ["robot", "goes", ...(this.batteries ? ["battery"] : []), "lost from now on"];
+      return section(`Robots (${robots.length})`, robots.length <= 12 || this.batteries !== null, table("Robots", heads, rows), this.undo);
     }
     this.pick = el("select", { on: { change: () => this.player.chooseRobot(Number(this.pick.value), true) } },
       ...robots.map((robot, k) => el("option", { value: k, text: robot.name })));
@@ -267,6 +271,17 @@ export class Panel {
   showLive(on) {
     this.live.hidden = !on;
     this.transport.disabled = on;
+  }
+
+  /** Tells how full batteries are, and who charges where. */
+  showBatteries(time) {
+    const { chargers } = this.playback.header.mission;
+    this.batteries?.forEach((node, k) => {
+      const [share, charger] = [this.playback.charge(k, time), this.playback.chargerAt(k, time)];
+      const level = share === null ? "–" : `${Math.round(100 * share)} %`;
+      const text = charger < 0 ? level : `${level}, on ${chargers[charger].name}`;
+      if (node.textContent !== text) node.textContent = text;
+    });
   }
 
   /** Tells how much is late now. */

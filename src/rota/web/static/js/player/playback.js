@@ -18,6 +18,8 @@ export const NO_CELL = 0xffffffff;
  * @property {boolean} loops
  * @property {number} joins_s
  * @property {number|null} leaves_s
+ * @property {[number, number, number][]} charges from when until when of its own time, and the charger's number
+ * @property {{reserve: number, again_s: number, every_s: number}|null} battery
  */
 
 export class Playback {
@@ -36,6 +38,7 @@ export class Playback {
     /** How many entries there are: asked cells, then zones to visit. */
     this.entries = arrays.cell_index.length;
     this.periods = Float64Array.from(arrays.cell_demand, (demand) => header.demands[demand].period_s);
+    this.hasBatteries = "battery_share" in arrays;
     this.hasHeights = "corner_z_m" in arrays;
     this.rowOfCell = new Map();
     this._hints = new Uint32Array(this.robots.length);
@@ -123,6 +126,34 @@ export class Playback {
   takesPart(robot, time) {
     const { joins_s: joins, leaves_s: leaves } = this.robots[robot];
     return time >= joins && (leaves === null || time <= leaves);
+  }
+
+  /** The number of the charger that a robot is on at a time; -1: it is on none. */
+  chargerAt(robot, time) {
+    const { charges, loops, loop_start_s: start, end_s: end } = this.robots[robot];
+    if (!charges.length) return -1;
+    const local = this.localTime(robot, time);
+    const own = loops && local === end ? start : local;
+    return charges.find(([from, until]) => from <= own && (own < until || (!loops && own === end)))?.[2] ?? -1;
+  }
+
+  /** The share that is left in a robot's battery at a time; null: it has none that runs low. */
+  charge(robot, time) {
+    const { battery } = this.robots[robot];
+    if (battery === null) return null;
+    const { battery_offsets: offsets, battery_time_s: times, battery_share: shares } = this.arrays;
+    const { again_s: again, every_s: every } = battery;
+    const own = every > 0 && time > again ? again + ((time - again) % every) : time;
+    let low = offsets[robot];
+    let high = offsets[robot + 1] - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (times[middle] <= own) low = middle;
+      else high = middle - 1;
+    }
+    const next = Math.min(low + 1, offsets[robot + 1] - 1);
+    const lasts = times[next] - times[low];
+    return shares[low] + (lasts > 0 ? Math.max(0, own - times[low]) / lasts : 0) * (shares[next] - shares[low]);
   }
 
   /** The number of the entry at a place in metres, -1 where nothing is asked. */

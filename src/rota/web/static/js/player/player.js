@@ -335,10 +335,10 @@ export class Player extends EventTarget {
       this._groundDirty = false;
       drawGround(stage, playback, palette, this.shown, losses.lost);
     }
+    const pixel = 1 / stage.pixelsPerMetre;
     this.heat.paint(this.mode, time, losses.stops, losses.lapses, live?.ages);
     if (live) this.robots.moveTo(live.robots, time);
-    else this.robots.move(time, losses.lost);
-    const pixel = 1 / stage.pixelsPerMetre;
+    else this.robots.move(time, losses.lost, pixel);
     drawHeat(stage, playback, this.heat, palette, this.opacity, (context) => {
       if (this.shown.footprints) this.robots.drawFootprints(context, palette, pixel);
     });
@@ -394,6 +394,7 @@ export class Player extends EventTarget {
     this.panel.showLate(this.heat.late, this.lateVisits);
     this.chart?.update(this.time);
     this.panel.showBumps(this.time);
+    this.panel.showBatteries(this.time);
     this.dispatchEvent(new CustomEvent("time", { detail: { time: this.time } }));
     if (!this.clock.playing || performance.now() - this._placeShownAt > PLACE_EVERY_MS) this._showPlace();
   }

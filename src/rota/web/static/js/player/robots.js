@@ -8,6 +8,8 @@ const MOST_EDGED = 200; // robots whose footprints have a line round them
 const LEAST_PIXELS = 4.5; // radius of a robot, so that it can be seen and hit
 const TRAIL_SHARE = 0.15; // of the longest loop, or of the way to rest
 const BUMP_SHOWN_S = 4;
+const BAR_PIXELS = 14; // of a full battery
+const SPOT_PIXELS = 24; // between robots on one charger
 
 export class Robots {
   /**
@@ -22,20 +24,21 @@ export class Robots {
     const longest = Math.max(0, ...playback.robots.map((robot) => robot.end_s - (robot.loops ? robot.loop_start_s : 0)));
     this._trail = TRAIL_SHARE * longest;
     this.many = playback.robots.length > MOST_NAMED;
+    this._spots = spotsOf(playback);
   }
 
-  /** Moves all robots to a time. `lost`: from when on robots are lost, by number. */
-  move(time, lost) {
+  /** Moves all robots to a time. `lost`: from when on robots are lost, by number; `pixel`: its size in metres. */
+  move(time, lost, pixel) {
     this._time = time;
     this._lost = lost;
-    this._groups = this._grouped(time, lost);
+    this._groups = this._grouped(time, lost, pixel);
   }
 
   /** Puts robots where they said that they are; those that have said nothing are not drawn. */
   moveTo(heard, time) {
     this._time = time;
     this._lost = new Map();
-    this._groups = { present: [], away: [], lost: [], heights: [] };
+    this._groups = { present: [], charging: [], away: [], lost: [], heights: [] };
     this.places.fill(NaN);
     for (const { robot, x_m: x, y_m: y, lost } of heard) {
       if (x === null || y === null || x === undefined) continue;
@@ -59,9 +62,10 @@ export class Robots {
     this._bodies(stage, context, this._groups, colours, pixel, chosen);
   }
 
-  /** Who takes part, who is away and who is lost, and at which height each is. */
-  _grouped(time, lost) {
-    const groups = { present: [], away: [], lost: [], heights: [] };
+  /** Who takes part, who is on a charger, away or lost, and at which height each is. */
+  _grouped(time, lost, pixel) {
+    const groups = { present: [], charging: [], away: [], lost: [], heights: [] };
+    const { chargers } = this.playback.header.mission;
     for (let k = 0; k < this.playback.robots.length; k++) {
       const gone = lost.get(k) ?? Infinity;
       this.playback.place(k, Math.min(time, gone), this._at);
@@ -69,7 +73,13 @@ export class Robots {
       this.places[2 * k + 1] = this._at.y;
       groups.heights[k] = this._at.z;
       const kind = time >= gone ? "lost" : this.playback.takesPart(k, time) ? "present" : "away";
-      groups[kind].push(k);
+      const charger = kind === "present" ? this.playback.chargerAt(k, time) : -1;
+      groups[charger >= 0 ? "charging" : kind].push(k);
+      if (charger >= 0) {
+        // those on one charger are told apart: each stands in its own spot round it
+        this.places[2 * k] = chargers[charger].at[0] + this._spots[k][0] * pixel;
+        this.places[2 * k + 1] = chargers[charger].at[1] + this._spots[k][1] * pixel;
+      }
     }
     return groups;
   }
@@ -170,7 +180,7 @@ export class Robots {
 
   _bodies(stage, context, groups, colours, pixel, chosen) {
     const { robots } = this.playback;
-    for (const kind of ["away", "present", "lost"]) {
+    for (const kind of ["charging", "away", "present", "lost"]) {
       const byColour = new Map();
       for (const k of groups[kind]) {
         const colour = kind === "present" ? colours.routes[k % colours.routes.length] : colours.away;
@@ -192,7 +202,26 @@ export class Robots {
         context.stroke();
       }
     }
+    if (this.playback.hasBatteries && !this.many) this._batteries(context, groups, colours, pixel);
     this._marks(stage, context, groups, colours, pixel, chosen);
+  }
+
+  /** A bar below each robot, as long as its battery is full. */
+  _batteries(context, groups, colours, pixel) {
+    for (const k of [...groups.charging, ...groups.present]) {
+      const share = this.playback.charge(k, this._time);
+      if (share === null) continue;
+      const radius = Math.max(this.playback.robots[k].body_radius_m, LEAST_PIXELS * pixel);
+      const left = this.places[2 * k] - (BAR_PIXELS / 2) * pixel;
+      const top = this.places[2 * k + 1] - radius - 3 * pixel;
+      const bar = (grow, width, colour) => {
+        context.fillStyle = colour;
+        context.fillRect(left - grow * pixel, top + grow * pixel, (width + 2 * grow) * pixel, -(3 + 2 * grow) * pixel);
+      };
+      bar(1, BAR_PIXELS, colours.ink);
+      bar(0, BAR_PIXELS, colours.ground);
+      bar(0, BAR_PIXELS * Math.min(Math.max(share, 0), 1), batteryColour(share, this.playback.robots[k].battery.reserve));
+    }
   }
 
   /** Crosses on lost robots, a ring round the chosen one, numbers beside few. */
@@ -241,6 +270,27 @@ export class Robots {
     }
     return nearest;
   }
+}
+
+/** The colour of a battery: with less than a quarter of what may be used it is low, near the reserve it is empty. */
+function batteryColour(share, reserve) {
+  const usable = (share - reserve) / (1 - reserve);
+  if (usable < 0.05) return "#c4001a";
+  return usable < 0.25 ? "#e8a400" : "#1f9e4b";
+}
+
+/** Where each robot stands when it charges, in pixels from the charger: on rings, six on the first one. */
+function spotsOf(playback) {
+  const taken = new Map();
+  return playback.robots.map(({ charges }) => {
+    if (!charges.length) return [0, 0];
+    let number = taken.get(charges[0][2]) ?? 0;
+    taken.set(charges[0][2], number + 1);
+    let ring = 1;
+    while (number >= 6 * ring) number -= 6 * ring++;
+    const turn = Math.PI / 2 + (number * Math.PI) / (3 * ring);
+    return [ring * SPOT_PIXELS * Math.cos(turn), ring * SPOT_PIXELS * Math.sin(turn)];
+  });
 }
 
 /** Adds a sensor's range, nothing in its way, to a path. */

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 class Battery:
     """The battery of one robot with an endurance.
 
+    From ``again_s`` on its levels repeat every ``round_s``; 0: they do not.
+
     A loop that begins at time 0 has the levels of its second round from the beginning on: they repeat, and are no
     higher than those of the first, which begins with a full battery even in the midst of a flight.
     """
@@ -26,8 +28,10 @@ class Battery:
         self.full_s = robot.battery.endurance_s or np.inf
         self.reserve_s = robot.battery.reserve_s
         self._times_s, self._levels_s = levels.times_s, levels.levels_s
-        self._round_s, self._from_s = trajectory.loop_duration_s, trajectory.loop_start_s
-        self._late_s = self._round_s if trajectory.loop_start_s == 0 else 0.0
+        self.round_s, self._late_s = trajectory.loop_duration_s, 0.0
+        if trajectory.loop_start_s == 0:
+            self._late_s = self.round_s
+        self.again_s = trajectory.loop_start_s + self.round_s - self._late_s
 
     def share_at(self, time_s: float) -> float:
         """The share of the battery that is left at a time."""
@@ -40,10 +44,9 @@ class Battery:
         A battery that is swapped has two shares at one time.
         """
         known_s, levels_s = self._times_s - self._late_s, self._levels_s
-        if self._round_s > 0:
-            second_s = self._from_s + self._round_s - self._late_s
-            again = known_s >= second_s
-            rounds = np.arange(np.ceil(max(until_s - second_s, 0.0) / self._round_s) + 1)[:, None] * self._round_s
+        if self.round_s > 0:
+            again = known_s >= self.again_s
+            rounds = np.arange(np.ceil(max(until_s - self.again_s, 0.0) / self.round_s) + 1)[:, None] * self.round_s
             known_s = np.concatenate([known_s[~again], (known_s[again] + rounds).ravel()])
             levels_s = np.concatenate([levels_s[~again], np.tile(levels_s[again], len(rounds))])
         ends_s = np.interp([0.0, until_s], known_s, levels_s)
