@@ -86,7 +86,9 @@ def test_missions_with_less_slack_than_they_are_kept_in_phase_with_are_told() ->
     made = three()
     gate = replace(made.mission.zones[0], period_s=28.5)
     plan = replace(made, mission=replace(made.mission, zones=(gate,)))
-    pace = SimpleNamespace(keeps_phase=True, flies=True, drives_along=False, robots="abc", most_pace=lambda _: math.inf)
+    pace = SimpleNamespace(
+        keeps_phase=True, flies=True, drives_along=False, robots="abc", most_pace=lambda _: math.inf, lead_s=0
+    )
     told = Along(plan, cast("Link", pace), None).tell_before()
     assert told[1] == (
         "copters on missions of their own go at about 0.98 of it: plan with a period_margin greater by 0.009, or for"
@@ -141,13 +143,26 @@ def test_settings_are_listed(plan: str, capsys: pytest.CaptureFixture[str]) -> N
     assert "  rate_hz=5.0               reports of each vehicle in a second" in capsys.readouterr().out
 
 
-def test_robots_that_charge_are_not_sent_what_they_would_fly_for_ever(
+def test_robots_that_charge_relieve_each_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "pier.rota.json"
+    write_plan(relieved(3), path)
+    options = ["--set", "clock=100", "--set", "speed_noise=0", "--start", "--yes", "--seconds", "4"]
+    assert run(["fly", str(path), *options]) == 0
+    said = capsys.readouterr().err
+    for told in ("robot-3 is at pad, its battery at 9", "robot-2 leaves pad, its battery at ", "robot-1 is at pad"):
+        assert told in said
+
+
+def test_robots_that_charge_are_not_sent_where_nobody_can_relieve_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "pier.rota.json"
     write_plan(relieved(2), path)
-    assert run(["fly", str(path), "--start", "--yes"]) == 2
+    assert run(["fly", str(path), "--link", "mavlink", "--set", "way=mission", "--start", "--yes"]) == 2
     told = (
-        "rota: error: the plan's robots charge, and rota fly cannot send them back and relieve them: rota export writes"
+        "rota: error: the plan's robots charge, and on the link mavlink they cannot be sent back and relieved;"
+        " way=targets does: rota export writes their single flights"
     )
     assert capsys.readouterr().err.startswith(told)
+    assert run(["fly", str(path), "--link", "mavlink", "--set", "way=targets", "--start", "--yes", "--hands-off"]) == 2
+    assert "somebody has to tell them when to leave their chargers" in capsys.readouterr().err

@@ -33,6 +33,9 @@ class Copters:
     def latest(self, robot: str) -> Report:
         return Report(robot=robot, time_s=0.0, position_m=self.at_m[robot])
 
+    def is_in_air(self, robot: str) -> bool:
+        return self.at_m[robot][2] > 0
+
     def home_m(self, robot: str) -> Place3:
         return PAD[robot]
 

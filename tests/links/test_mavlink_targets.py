@@ -19,12 +19,14 @@ from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.links.air_lead import LATER_S, AirLead, Drag, Gains
 from rota.links.flights import Flights
-from rota.links.link import Order, Report
+from rota.links.link import Dock, Order, Report
 from rota.links.link_settings import make_link
 from rota.links.mavlink_targets import Target
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
-from rota.model.plan import Waypoints
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger
+from rota.model.plan import Charge, Plan, Trajectory, Waypoints
 
 pytestmark = pytest.mark.mavsdk
 COPTER = Script(firmware=mav.MAV_AUTOPILOT_ARDUPILOTMEGA, flies=True, position=(481000000, 114998657, 0))
@@ -94,6 +96,61 @@ def test_what_is_late_is_made_up_by_the_pace() -> None:
         assert with_link(PLAN, vehicles, fly, "way=targets", "acceleration_m_s2=6") == pytest.approx(
             [1.2, 0.8], abs=0.01
         )
+
+
+def charging() -> Plan:
+    """A copter that is on its pad for 5 s, flies 20 m away and back in 10, and charges for 25."""
+    pad_m, far_m = [-10.0, 0.0], [10.0, 0.0]
+    way = Trajectory(
+        robot="a", times_s=[0, 5, 10, 15, 40], positions_m=[pad_m, pad_m, far_m, pad_m, pad_m],
+        charges=(Charge(charger="pad", from_s=0, until_s=5), Charge(charger="pad", from_s=15, until_s=40)),
+    )  # fmt: skip
+    mission = plan_of(loop_of("a", 0.0)).mission
+    battery = BatteryLimits(endurance_s=60.0, recharge_s=30.0)
+    robots = tuple(replace(robot, battery=battery) for robot in mission.fleet.robots or ())
+    fleet = replace(mission.fleet, robots=robots, battery=battery)
+    chargers = (Charger(name="pad", at=(-10.0, 0.0)),)
+    return Plan(mission=replace(mission, fleet=fleet, chargers=chargers), trajectories=(way,))
+
+
+def test_a_copter_on_its_charger_takes_off_when_it_is_to_leave_and_lands_when_it_is_back() -> None:
+    plan = charging()
+
+    async def fly(link: Any) -> None:
+        assert link.relieves
+        assert link.lead_s == 25 / 2.5 + 5
+        await first_reports(link, link.robots)
+        routes = routes_for(plan, link)
+        await send_all(link, routes)
+        await start_all(link, routes)
+        stays, leaves = (
+            Order(robot="a", late_s=0.0, behind_s=0.0, rate=1.0, dock=Dock(leaves=told, plan_s=5.0))
+            for told in (False, True)
+        )
+        await link.keep(stays)
+        assert (mav.MAV_CMD_NAV_TAKEOFF in vehicles[0].commands, vehicles[0].targets) == (False, [])
+        await link.keep(leaves)
+        assert link.is_in_air("a")
+        await link.keep(leaves)  # once is enough
+        assert vehicles[0].commands.count(mav.MAV_CMD_NAV_TAKEOFF) == 1
+        await asyncio.sleep(3.0)
+        assert link._stream.target("a").phase_s == pytest.approx(7.0, abs=1.5)
+        await link.keep(Order(robot="a", late_s=0.0, behind_s=0.0, rate=0.0))  # it holds its post
+        await asyncio.sleep(3.2)
+        held_s = link._stream.target("a").phase_s
+        await asyncio.sleep(0.5)
+        assert link._stream.target("a").phase_s == held_s
+        await link.keep(stays)
+        assert not link.is_in_air("a")
+        assert link._stream.target("a") is None
+        assert vehicles[0].commands[-1] == mav.MAV_CMD_NAV_LAND
+
+    with flying(COPTER) as vehicles:
+        with_link(plan, vehicles, fly)
+        (_, first), (_, last) = vehicles[0].targets[0], vehicles[0].targets[-1]
+        assert (first.y, first.z) == (pytest.approx(0.0, abs=2.0), pytest.approx(-25.0, abs=0.1))  # it leads by some
+        assert last.y > 3.0
+        assert vehicles[0].flight.height_m == 0.0
 
 
 def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() -> None:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rota.command.arguments import PlanPath, read_plan_argument
+from rota.command.fly_reliefs import require_reliefs, routes_off_chargers
 from rota.command.interrupt import run_to_its_end
 from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, open_link
 from rota.command.terminal import STANDARD_STREAM, say
@@ -69,12 +70,12 @@ def fly(
         return
     _require_sense(plan, start, yes, pause, home, _only_started(yes, seconds, hands_off, log))
     answer = read_plan_argument(plan)
-    if not (pause or home):
-        _require_no_reliefs(answer)
     left_alone = hands_off and link == "mavlink" and not any(text.startswith("way=") for text in settings or ())
     # targets need somebody who sends them
     chosen = [*(settings or ()), "way=mission"] if left_alone else settings
     made = chosen_link(link, answer, origin, chosen)
+    if not (pause or home):
+        require_reliefs(answer, made, link, hands_off)
     watching = _watching(plan, link, settings or [], origin)
     if hands_off and made.drives_along:
         raise RotaError(f"--hands-off: robots on the link {link} drive only while this command goes on")
@@ -114,17 +115,6 @@ def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, o
         raise RotaError("--start: somebody has to say yes on a terminal; scripts give --yes")
 
 
-def _require_no_reliefs(plan: Plan) -> None:
-    """Raise RotaError for a plan whose robots charge."""
-    from rota.routes.flights import recharges
-
-    if recharges(plan):
-        raise RotaError(
-            "the plan's robots charge, and rota fly cannot send them back and relieve them: rota export writes their"
-            " single flights, with a table of when each starts"
-        )
-
-
 def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> str:
     """The command that watches the same robots, but for when they started."""
     words = ["rota", "watch", plan, "--link", link, *(["--origin", origin] if origin is not None else [])]
@@ -148,13 +138,14 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
                 say(f"waiting for {', '.join(silent)} to say where it is")
                 await first_reports(link, silent, FIRST_PLACE_S)
             flights = Flights(link, plan.mission, say) if link.flies and not order.hands_off else None
+            gathers = routes_off_chargers(link, plan, routes)
             try:
-                if not await _is_to_start(link, plan, order, routes, along, flights):
+                if not await _is_to_start(link, plan, order, (routes, gathers), along, flights):
                     return
             except asyncio.CancelledError:
                 raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
             if flights is not None:
-                await flights.gather(routes)
+                await flights.gather(gathers)
             await start_all(link, routes)
             holds = along is not None and link.heard_by_one
             _tell_started(link, len(routes), "" if holds else watching)
@@ -167,10 +158,19 @@ async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
 
 
 async def _is_to_start(
-    link: Link, plan: Plan, order: Order, routes: Sequence[Route], along: Along | None, flights: Flights | None
+    link: Link,
+    plan: Plan,
+    order: Order,
+    sent: tuple[Sequence[Route], Sequence[Route]],
+    along: Along | None,
+    flights: Flights | None,
 ) -> bool:
-    """Tell what was sent and what robots do by themselves; whether they are to be started."""
-    typer.echo(_summary(link, routes, flights.ways_to(routes) if flights else ()))
+    """Tell what was sent and what robots do by themselves; whether they are to be started.
+
+    sent: all routes, and those of robots that gather in the air before they start.
+    """
+    routes, gathers = sent
+    typer.echo(_summary(link, routes, flights.ways_to(gathers) if flights else ()))
     for told in along.tell_before() if along is not None else ():
         typer.echo(told)
     for told in await _by_themselves(link, plan):

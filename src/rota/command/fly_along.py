@@ -37,7 +37,7 @@ class Along(AbstractContextManager["Along"]):
 
         self._link = link
         self._watch: Watch = Watch(plan)
-        self._keeping: Keeping = _keeping(plan, _most_rate(link)) if link.keeps_phase else _without_slack(plan)
+        self._keeping: Keeping = _keeping(plan, link) if link.keeps_phase else _without_slack(plan)
         self._log = None if log is None else LogWriter(log, plan, self._watch.settings)
 
     def __exit__(self, *failed: Any) -> None:
@@ -115,7 +115,7 @@ def _most_rate(link: Link) -> float:
     return min((link.most_pace(robot) for robot in link.robots), default=1.0) / (1 + room)
 
 
-def _keeping(plan: Plan, most_rate: float) -> Keeping:
+def _keeping(plan: Plan, link: Link) -> Keeping:
     """With what the check says of each demand."""
     from rota.check import check_plan
     from rota.live.keeping import Keeping, Slack
@@ -123,7 +123,10 @@ def _keeping(plan: Plan, most_rate: float) -> Keeping:
     mention_compiling("check")
     demands = check_plan(plan).demands
     return Keeping(
-        plan, {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands}, most_rate
+        plan,
+        {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands},
+        _most_rate(link),
+        link.lead_s,
     )
 
 

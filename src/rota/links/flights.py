@@ -80,14 +80,16 @@ class Flights:
             raise asyncio.CancelledError("\n".join(await self._brought_home())) from None
 
     async def bring_home(self) -> None:
-        """Let all stop, fly home in layers and land, the lowest layer first.
+        """Let all that fly stop, fly home in layers and land, the lowest layer first.
 
         Raises LinkError with a line for each that did not come home; the others do all the same.
         """
         link = self._link
-        homes_m = {name: link.home_m(name) for name in link.robots if link.latest(name) is not None}
+        standing = [name for name in link.robots if link.latest(name) is not None and not link.is_in_air(name)]
+        fly = [name for name in link.robots if name not in standing]
+        homes_m = {name: link.home_m(name) for name in fly if link.latest(name) is not None}
         known_m = {name: home_m[:2] for name, home_m in homes_m.items() if home_m is not None}
-        lost = [f"robot {name}: it has not said where it or its home is" for name in link.robots if name not in known_m]
+        lost = [f"robot {name}: it has not said where it or its home is" for name in fly if name not in known_m]
 
         async def stage(told: str, calls: Calls) -> set[str]:
             done, faults = await self._stage(told, calls)
@@ -107,6 +109,8 @@ class Flights:
         for height_m in sorted({way.height_m for way in ways}):
             lands = [way.robot for way in ways if way.robot in able and way.height_m == height_m]
             await stage("landing", {name: partial(link.land, name) for name in lands})
+        # whoever is on the ground may be armed
+        await stage("landing", {name: partial(link.land, name) for name in standing})
         if lost:
             raise LinkError("\n".join(lost))
 

@@ -41,17 +41,27 @@ class Report:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Dock:
+    """What a robot on its charger is to do: to stay there, or to leave it, for what its plan has from plan_s on."""
+
+    leaves: bool
+    plan_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Order:
     """How a robot on its route is to keep to the clock of all robots, whose time is that of the plan while all keep up.
 
     late_s: how far it is behind that clock; below 0: ahead of it. behind_s: how far the clock is behind the link's
-    time. rate: the pace, as a share of the plan's, at which the robot is to go on.
+    time. rate: the pace, as a share of the plan's, at which the robot is to go on; 0: it holds where it is. dock: of
+    one that is on its charger.
     """
 
     robot: str
     late_s: float
     behind_s: float
     rate: float
+    dock: Dock | None = None
 
 
 class Link(Protocol):
@@ -102,6 +112,14 @@ class Link(Protocol):
         """Whether ``keep`` lets its robots gain and lose time."""
 
     @property
+    def relieves(self) -> bool:
+        """Whether ``keep`` lets its robots hold where they are, stay on chargers and leave them."""
+
+    @property
+    def lead_s(self) -> float:
+        """How long before it leaves its charger a robot has to be told, since it takes off first."""
+
+    @property
     def flies(self) -> bool:
         """Whether its robots take off: ``climb``, ``go``, ``land`` and ``home_m`` are for those alone."""
 
@@ -119,6 +137,9 @@ class Link(Protocol):
 
     async def by_itself(self, robot: str) -> tuple[str, ...]:
         """Sentences on what it does by itself where the link is lost or it leaves its fence, and on what it lacks."""
+
+    def is_in_air(self, robot: str) -> bool:
+        """Whether it flies, as far as is known."""
 
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off or will; None where it has not said so."""

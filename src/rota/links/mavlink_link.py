@@ -1,7 +1,4 @@
-"""MAVLink vehicles by MAVSDK, on missions of their own: a mission and a fence for each, an address for each.
-
-ArduPilot and PX4 are told apart by their heartbeats.
-"""
+"""MAVLink vehicles by MAVSDK, on missions of their own; by heartbeats ArduPilot and PX4 are told apart."""
 
 from __future__ import annotations
 
@@ -50,6 +47,7 @@ VehicleType = Literal["multicopter", "fixed_wing", "rover", "submarine", "any"]
 AUTOPILOTS: dict[str, Autopilot] = {"ARDUPILOT": "ardupilot", "PX4": "px4"}
 MODES: dict[str, Mode] = {"MISSION": "running", "HOLD": "paused", "RETURN_TO_LAUNCH": "returning", "READY": "ready"}
 MISSION_START = 300  # MAV_CMD
+ON_GROUND_M = 1.0  # above where it took off
 ITEM_HZ = 2.0  # how often a vehicle is asked to say which item it flies to
 
 
@@ -267,6 +265,11 @@ class MavlinkLink(RealTimeLink):
         held = {"rally_points": self._rallies.get(robot, 0), "own_id": self._settings.system_id}
         return told_of(vehicle, has, by_targets=self.drives_along, **held)
 
+    def is_in_air(self, robot: str) -> bool:
+        """As it says, or as its height does where it says nothing."""
+        told = self.latest(robot)
+        return self._vehicle(robot).in_air or (told is not None and told.position_m[2] > ON_GROUND_M)
+
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off, as it says."""
         home = self._vehicle(robot).home
@@ -291,8 +294,7 @@ class MavlinkLink(RealTimeLink):
 
     def _guided(self, robot: str) -> Guided:
         latest = functools.partial(self.latest, robot)
-        top_m_s, ready_s = self._top_m_s[robot], self._settings.ready_s
-        return Guided(self._vehicle(robot), self._projection, latest, top_m_s, ready_s)
+        return Guided(self._vehicle(robot), self._projection, latest, self._top_m_s[robot], self._settings.ready_s)
 
     async def start(self, robot: str) -> None:
         """Let it fly its mission; from the air without the take-off, from the ground it is armed before."""

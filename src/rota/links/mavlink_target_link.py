@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
+
 from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.links.air_lead import GAINS, AirLead, Gains, drag_of, gains_of
-from rota.links.link import Mode, Order
+from rota.links.link import Dock, Mode, Order
 from rota.links.mavlink_failsafes import read_parameters
 from rota.links.mavlink_guided import CUSTOM_MODE, DO_SET_MODE, GUIDED
 from rota.links.mavlink_items import WireItem
@@ -17,13 +19,17 @@ from rota.links.mavlink_targets import LEAN_DEG, MOST_PACE, Target, TargetStream
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.links.rounded_track import RoundedTrack
 from rota.model.plan import Plan
+from rota.routes.flights import on_charger, recharges
 from rota.routes.route import Place3, Route
+
+CLIMBS_M_S, ARMS_S = 2.5, 5.0  # ArduCopter's WPNAV_SPEED_UP by default; until it is armed and off the ground
 
 
 class MavlinkTargetLink(MavlinkLink):
     """A Link to ArduCopters in their mode GUIDED; see ``mavlink_targets``."""
 
     drives_along = True
+    relieves = True
     modes: ClassVar[dict[str, Mode]] = {**MODES, "OFFBOARD": "running"}
 
     def __init__(self, plan: Plan, projection: Projection, settings: MavlinkSettings) -> None:
@@ -31,6 +37,8 @@ class MavlinkTargetLink(MavlinkLink):
         tops_m_s = {way.robot: fleet.robot(way.robot).speed_m_s for way in plan}
         super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings, {})
         self._altitude_m = fleet.altitude_m
+        self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S if recharges(plan) else 0.0
+        self._docked = {way.robot for way in plan if on_charger(way, np.zeros(1))[0]}
         asked, corner_m = settings.acceleration_m_s2, settings.corner_m
         # rounded more than need be where there is room, so that all can be driven faster than planned for a while
         self._tracks = {way.robot: RoundedTrack(way, asked / MOST_PACE**2, corner_m) for way in plan}
@@ -55,16 +63,21 @@ class MavlinkTargetLink(MavlinkLink):
         return []
 
     async def start(self, robot: str) -> None:
-        """From the air: follow targets from the route's beginning, or after a pause from where it is."""
+        """From the air: follow targets from the route's beginning, or after a pause from where it is.
+
+        One that begins on its charger, and is on the ground, stays there until ``keep`` has it leave.
+        """
         vehicle = self._vehicle(robot)
+        if robot in self._docked and not vehicle.in_air:
+            return
         if not vehicle.in_air:
             raise LinkError(f"robot {robot}: it is on the ground; targets are for copters that have gathered")
         await vehicle.command("its mode guided", DO_SET_MODE, [CUSTOM_MODE, GUIDED])
-        self._stream.give(robot, await self._target(vehicle))
+        paused_s = self._paused_s.pop(robot, None)
+        self._stream.give(robot, await self._target(vehicle, paused_s or 0.0, lost=paused_s is not None))
 
-    async def _target(self, vehicle: MavlinkVehicle) -> Target:
-        """What tells a vehicle its timed targets, begun anew or where it was paused."""
-        paused_s = self._paused_s.pop(vehicle.robot, None)
+    async def _target(self, vehicle: MavlinkVehicle, phase_s: float, *, lost: bool) -> Target:
+        """What tells a vehicle its timed targets from a moment of its plan on, or from the nearest place to it."""
         telemetry = vehicle.plugin("telemetry", "Telemetry")
         (origin,) = await vehicle.ask("its origin", telemetry.get_gps_global_origin_async)
         return Target(
@@ -77,15 +90,28 @@ class MavlinkTargetLink(MavlinkLink):
             most=self._most[vehicle.robot],
             lead=AirLead(self._gains[vehicle.robot], self._drags[vehicle.robot]),
             latest=lambda: self.latest(vehicle.robot),
-            phase_s=paused_s or 0.0,
-            lost=paused_s is not None,
+            phase_s=phase_s,
+            lost=lost,
         )
 
     async def keep(self, order: Order) -> None:
-        """By the pace of its targets."""
+        """By the pace of its targets; on its charger it lands, and takes off when it is to leave."""
         target = self._stream.target(order.robot)
-        if target is not None:
+        if order.dock is not None:
+            await self._dock(self._vehicle(order.robot), order.dock)
+        elif target is not None:
             target.keep(order.late_s, order.rate)
+
+    async def _dock(self, vehicle: MavlinkVehicle, dock: Dock) -> None:
+        """Land on the charger and stay there, or take off from it and fly on by plan."""
+        robot = vehicle.robot
+        if not dock.leaves and vehicle.in_air:
+            x, y = self._tracks[robot].at(dock.plan_s).place_m[:2].tolist()
+            await self.go(robot, [(x, y, self._altitude_m)])
+            await self.land(robot)
+        elif dock.leaves and self._stream.target(robot) is None:
+            await self.climb(robot, self._altitude_m)
+            self._stream.give(robot, await self._target(vehicle, dock.plan_s, lost=False))
 
     async def pause(self, robot: str) -> None:
         """No more targets, and hold."""

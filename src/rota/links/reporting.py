@@ -20,6 +20,8 @@ class ReportingLink:
     """
 
     flies = False
+    relieves = False
+    lead_s = 0.0
 
     def __init__(self, robots: Collection[str], bounds_m: Bounds) -> None:
         self._names = tuple(robots)
@@ -58,6 +60,10 @@ class ReportingLink:
     async def by_itself(self, robot: str) -> tuple[str, ...]:
         """Nothing is known of that."""
         return ()
+
+    def is_in_air(self, robot: str) -> bool:
+        """It stays on the ground."""
+        return False
 
     def home_m(self, robot: str) -> Place3 | None:
         """Nothing is known of it."""

@@ -20,7 +20,7 @@ from rota.errors import LinkError, RotaError
 from rota.links.inbox import Bounds
 from rota.links.link import Mode, Order, Report
 from rota.links.reporting import ReportingLink
-from rota.links.vehicles import HOME_SPEED_M_S, Vehicle, Vehicles, drive_home, drive_of
+from rota.links.vehicles import HOME_SPEED_M_S, Pads, Vehicle, Vehicles, drive_home, drive_of
 from rota.model.plan import Plan
 from rota.model.planner_settings import Settings, setting
 from rota.routes.route import Place3, Route, route_of
@@ -45,7 +45,10 @@ class SimulatedSettings(Settings):
     position_noise_m: float = setting(0.1, "standard deviation of reported places, each axis", least=0, most=1e6)
     delay_s: float = setting(0.1, "mean time that a report takes", least=0, most=1e4)
     lost: float = setting(0.0, "share of reports that never arrive", least=0, most=1)
-    battery_s: float | None = setting(None, "how long a battery lasts; none: for ever", above=0, most=1e10)
+    battery_s: float | None = setting(
+        None, "how long a battery lasts; none: as the plan says, or for ever", above=0, most=1e10
+    )
+    slower_charging: float = setting(0.0, "share by which batteries fill slower than planned", least=0, most=0.99)
     holdups_per_h: float = setting(0.0, "how often a vehicle is held up", least=0, most=1e5)
     holdup_s: float = setting(10.0, "mean time that it is held up for", least=0, most=1e6)
     failures_per_h: float = setting(0.0, "how often a vehicle dies, silent from then on", least=0, most=1e5)
@@ -68,7 +71,23 @@ def link_to(plan: Plan, settings: SimulatedSettings) -> SimulatedLink:
     altitude_m = plan.mission.fleet.altitude_m
     homes = {trajectory.robot: route_of(trajectory, altitude_m).start_m for trajectory in plan}
     top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
-    return SimulatedLink(homes, plan.mission.area.bounds, top_m_s, settings)
+    return SimulatedLink(homes, plan.mission.area.bounds, top_m_s, settings, _batteries_s(plan), _pads(plan, settings))
+
+
+def _batteries_s(plan: Plan) -> np.ndarray:
+    """How long the battery of each robot lasts, (n,)."""
+    robots = [plan.mission.fleet.robot(way.robot) for way in plan]
+    return np.array([robot.battery.endurance_s or math.inf for robot in robots], np.float64)
+
+
+def _pads(plan: Plan, settings: SimulatedSettings) -> Pads | None:
+    """The plan's chargers; one that swaps batteries fills them evenly over that time."""
+    if not plan.mission.chargers:
+        return None
+    robots, chargers = [plan.mission.fleet.robot(way.robot) for way in plan], plan.mission.chargers
+    lasts_s = [[pad.swap_s or robot.battery.recharge_s or math.inf for pad in chargers] for robot in robots]
+    places_m = np.array([pad.at for pad in chargers], np.float64)
+    return Pads(places_m, (1 - settings.slower_charging) / np.array(lasts_s, np.float64))
 
 
 class SimulatedLink(ReportingLink):
@@ -77,12 +96,19 @@ class SimulatedLink(ReportingLink):
     takes_fences = True
     drives_along = True
     keeps_phase = True
+    relieves = True
     in_process = True
     heard_by_one = True
     begun_s = 0.0
 
     def __init__(
-        self, homes: dict[str, Place3], bounds_m: Bounds, top_m_s: dict[str, float], settings: SimulatedSettings
+        self,
+        homes: dict[str, Place3],
+        bounds_m: Bounds,
+        top_m_s: dict[str, float],
+        settings: SimulatedSettings,
+        batteries_s: np.ndarray,
+        pads: Pads | None,
     ) -> None:
         super().__init__(tuple(homes), bounds_m)
         self._number = {name: k for k, name in enumerate(homes)}
@@ -95,7 +121,8 @@ class SimulatedLink(ReportingLink):
             slower=settings.slower,
             stop_noise_s=settings.stop_noise_s,
             speed_noise=settings.speed_noise,
-            battery_s=settings.battery_s if settings.battery_s is not None else math.inf,
+            battery_s=settings.battery_s if settings.battery_s is not None else batteries_s,
+            pads=pads,
         )
         self._dies_s = self._death_times()
         self._on_the_way: list[tuple[float, int, int, Report]] = []
@@ -162,9 +189,12 @@ class SimulatedLink(ReportingLink):
         self._fleet.running[self._number[robot]] = True
 
     async def keep(self, order: Order) -> None:
-        """Faster or slower legs, shorter waits, or a stop where it is."""
+        """Faster or slower legs, shorter waits, or a stop where it is; on its charger it stays until it is to leave."""
         self._vehicle(order.robot)
-        self._fleet.keep(self._number[order.robot], order.late_s, order.rate)
+        if order.dock is not None:
+            self._fleet.dock(self._number[order.robot], order.dock.leaves)
+        else:
+            self._fleet.keep(self._number[order.robot], order.late_s, order.rate)
 
     async def pause(self, robot: str) -> None:
         """It stands until it is started again."""

@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 PACE_MEMORY_S = 10.0  # in which a vehicle's pace becomes another
 SLOWEST, FASTEST = 0.2, 2.0  # paces, as multiples of the planned speed
 CATCH_UP_S = 4.0  # in which a vehicle makes up what it is late by, if it may drive so fast
+AT_PAD_M, STILL_M = 0.5, 1e-6  # from a pad, within which a vehicle that does not move charges
 HOME_SPEED_M_S = 1.0  # of a vehicle that is called home and never had a speed
 
 
@@ -99,6 +100,13 @@ class Vehicle:
     mode: Mode = "idle"
 
 
+class Pads(NamedTuple):
+    """Where vehicles charge: places_m (p, 2), and the share of a battery that a second there adds, (n, p)."""
+
+    places_m: Floats
+    fills: Floats
+
+
 @dataclass(frozen=True, kw_only=True)
 class Tables:
     """The drives of all vehicles end to end: (s, 3) metres, (s,) seconds, and which segment comes after each.
@@ -123,13 +131,15 @@ class Vehicles:
     ``segment`` (n,) is where each is in the tables, ``done_s`` (n,) how far into it, below 0 while it loses time at the
     stop before; ``told_pace`` (n,) how many times as fast as its route says it is to drive. slower: the share by which
     all are slower than that. stop_noise_s: the deviation of the time that is lost at each stop. speed_noise: the
-    standard deviation of paces. battery_s: how long a battery lasts while driving; infinite: for ever.
+    standard deviation of paces. battery_s: how long a battery lasts while driving, or (n,) those of
+    all; infinite: for ever. pads: where they charge.
     """
 
     vehicles: list[Vehicle]
     rng: np.random.Generator
     speed_noise: float
-    battery_s: float
+    battery_s: float | Floats
+    pads: Pads | None = None
     slower: float = 0.0
     stop_noise_s: float = 0.0
     time_s: float = 0.0
@@ -175,6 +185,14 @@ class Vehicles:
         lasting_s = self._tables.duration_s[at]
         if not self._tables.is_drive[at] and late_s > 0 and math.isfinite(lasting_s) and self._done_s[k] >= 0:
             self._done_s[k] = min(lasting_s, self._done_s[k] + late_s)
+
+    def dock(self, k: int, leaves: bool) -> None:
+        """Let the k-th vehicle, which is at its charger or all but there, leave it, or come to it and stay."""
+        at, tables = self._segment[k], self._tables
+        waits = tables is not None and not tables.is_drive[at]
+        self.told_pace[k] = 1.0 if leaves or (not waits and self._done_s[k] > 0) else 0.0
+        if tables is not None and waits and leaves and math.isfinite(tables.duration_s[at]):
+            self._done_s[k] = tables.duration_s[at]
 
     def _firsts(self) -> NDArray[np.int64]:
         """The number of each vehicle's first segment; each drive is followed by one that lasts for ever."""
@@ -247,14 +265,26 @@ class Vehicles:
             self._segment[going] = np.where(ends, tables.after[segment], segment)
             left_s[going] -= taken_s
             going = going[reaches & (left_s[going] > 0)]
-        self.battery = np.maximum(self.battery - moving * duration_s / self.battery_s, 0.0)
         self.time_s = until_s
         lasting = tables.duration_s[self._segment]
         share = np.divide(
             np.maximum(self._done_s, 0.0), lasting, out=np.zeros_like(lasting), where=np.isfinite(lasting)
         )
         driven = tables.start_m[self._segment] + share[:, None] * tables.step_m[self._segment]
-        self.positions_m = np.where(moving[:, None], driven, self.positions_m)
+        before_m, self.positions_m = self.positions_m, np.where(moving[:, None], driven, self.positions_m)
+        filled = self._gains(before_m) * duration_s * moving
+        used = np.where(filled > 0, 0.0, moving * duration_s / self.battery_s)
+        self.battery = np.clip(self.battery + filled - used, 0.0, 1.0)
+
+    def _gains(self, before_m: Floats) -> Floats:
+        """What a second adds to each battery (n,), of those that have stood at a pad since they were there."""
+        if self.pads is None:
+            return np.zeros(len(self.vehicles))
+        stood = np.abs(self.positions_m - before_m).max(axis=1) <= STILL_M
+        off_m = np.hypot(*np.moveaxis(self.positions_m[:, None, :2] - self.pads.places_m, -1, 0))
+        at = off_m.argmin(axis=1)
+        rows = np.arange(len(at))
+        return np.where(stood & (off_m[rows, at] <= AT_PAD_M), self.pads.fills[rows, at], 0.0)
 
     def _lost_s(self, stops: int) -> Floats:
         """What is lost at so many stops, (stops,) seconds."""

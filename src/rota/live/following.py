@@ -61,6 +61,11 @@ class Following:
         self.held_up[judged] = stands & on[due]
         self._since_s[judged], self._lags_then_s[judged] = times_s[due], self.lags_s[judged]
 
+    def believe(self, robot: int, lag_s: float) -> None:
+        """Take it that a robot is so far behind: where it stands for long its place does not tell."""
+        self.lags_s[robot] = lag_s
+        self.held_up[robot], self._since_s[robot] = False, -np.inf
+
     def _planned_m(self, robots: Ints, times_s: Floats) -> Floats:
         """How far each was to get since the last look, if no later than then: (m,) metres."""
         since_s, lags_s = self._since_s[robots], self._lags_then_s[robots]

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 from rota.links.link import Mode, Order
 from rota.live.notices import Notice, NoticeKind, RobotState, names_in_words
+from rota.live.reliefs import Conduct, Reliefs
 from rota.model.plan import Plan
 
 LATE_S = 1.0  # by which a robot is late before all wait for it
@@ -40,17 +41,19 @@ class Slack:
 class Keeping:
     """The clock of all for a plan's robots. slack: of each demand by its name; what is met by plan is told from it.
 
-    most_rate: the share of the plan's pace at which the clock goes at most, up to 1.
+    most_rate: the share of the plan's pace at which the clock goes at most, up to 1. lead_s: how long before a robot
+    leaves its charger it has to be told. conduct: what robots that charge are to do since the last look.
     """
 
-    def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0) -> None:
+    def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0, lead_s: float = 0.0) -> None:
+        self._reliefs, self.conduct = Reliefs(plan, lead_s), Conduct()
         self._most_rate = min(most_rate, 1.0)
         self._slack = slack
         self._tracks = {way.robot: _Track(looked_back_s(way.loop_duration_s)) for way in plan}
         self._expected_s: Mapping[str, float] = NOTHING
         self._now_s: float | None = None
         self.rate = self._most_rate
-        self.behind_s = 0.0
+        self.behind_s, self._holds = 0.0, False
 
     def late_s(self, robot: RobotState) -> float:
         """How many seconds a robot is behind the clock of all, less what is expected where it is; below 0: ahead."""
@@ -72,16 +75,19 @@ class Keeping:
         if self._now_s is not None:
             self.behind_s += (1 - self.rate) * (now_s - self._now_s)
         self._now_s = now_s
-        on_route = [self.late_s(robot) - room_s.get(robot.name, 0.0) for robot in robots if _drives(robot)]
+        self.conduct, told = self._reliefs.look(now_s, robots, self.behind_s)
+        waited = bool(self.conduct.late)
+        drives = {robot.name: self._drives(robot) for robot in robots}
+        on_route = [self.late_s(robot) - room_s.get(robot.name, 0.0) for robot in robots if drives[robot.name]]
         if on_route and min(on_route) > LATE_S:
             # nobody is nearer to the clock: it is they that keep it
             self.behind_s += min(on_route) - EARLY_SHARE * LATE_S
-        told: list[Notice] = []
         orders, rates = [], [self._most_rate]
         for robot in robots:
             track = self._tracks[robot.name]
-            if not _drives(robot):
-                track.forget()
+            if waited or not drives[robot.name]:
+                track.forget()  # what it loses now is not its own
+            if not drives[robot.name]:
                 continue
             late_s, own_s = self.late_s(robot), room_s.get(robot.name, 0.0)
             track.note(now_s, late_s + self.behind_s - own_s)
@@ -91,10 +97,22 @@ class Keeping:
             if pace is not None and pace >= LEAST_RATE * self._most_rate:
                 rates.append(1 - max(0.0, 1 - pace) * track.waited_share(late_s))
             told += self._standing(now_s, robot.name, track, late_s, pace)
-        self.rate = max(min(LEAST_RATE, self._most_rate), min(rates))
-        return [self._order(name, late_s) for name, late_s in orders], told
+        self._holds = waited
+        self.rate = 0.0 if waited else max(min(LEAST_RATE, self._most_rate), min(rates))
+        docked = [
+            Order(robot=name, late_s=0.0, behind_s=self.behind_s, rate=self._most_rate, dock=dock)
+            for name, dock in self.conduct.docks.items()
+        ]
+        return [*docked, *(self._order(name, late_s) for name, late_s in orders)], told
+
+    def _drives(self, robot: RobotState) -> bool:
+        """Whether it is on its route, in the air; one that was told to hold where it is looks as if it were held up."""
+        on = robot.standing == "ok" or (self._holds and robot.standing == "held up")
+        return on and robot.mode in DRIVING and robot.place_m is not None and robot.name not in self.conduct.docks
 
     def _order(self, name: str, late_s: float) -> Order:
+        if name in self.conduct.hurried:
+            return Order(robot=name, late_s=max(late_s, 0.0), behind_s=self.behind_s, rate=self._most_rate)
         # one that is late drives as fast as it can: its pace tells how slowly all have to go
         rate = self.rate if late_s < EARLY_SHARE * LATE_S else self._most_rate
         return Order(robot=name, late_s=late_s, behind_s=self.behind_s, rate=rate)
@@ -182,10 +200,6 @@ class _Track:
         if to_s - from_s < LOOKED_BACK_S / 2:
             return None
         return 1 - (lag_s - lag_then_s) / (to_s - from_s)
-
-
-def _drives(robot: RobotState) -> bool:
-    return robot.standing == "ok" and robot.mode in DRIVING and robot.place_m is not None
 
 
 def _notice(now_s: float, kind: NoticeKind, about: str, text: str, **facts: float) -> Notice:

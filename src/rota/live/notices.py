@@ -12,6 +12,7 @@ from rota.links.link import Mode
 NoticeKind = Literal[
     "lost", "back", "off route", "on route", "held up", "goes on", "mode", "battery low", "must leave",
     "will lapse", "in time", "lapsed", "seen again", "dropped", "too slow", "keeps up",
+    "lands", "takes off", "relief late", "relief comes", "does not wait",
 ]  # fmt: skip
 ALARMS: tuple[NoticeKind, ...] = (
     "lost",
@@ -22,6 +23,8 @@ ALARMS: tuple[NoticeKind, ...] = (
     "will lapse",
     "lapsed",
     "too slow",
+    "relief late",
+    "does not wait",
 )
 Standing = Literal["ok", "waiting", "held up", "off route", "lost"]
 DemandStanding = Literal["ok", "will lapse", "lapsed"]

@@ -21,6 +21,7 @@ from rota.live.ways import Ways
 from rota.model.mission import inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.constant_speeds import plan_at_constant_speeds
+from rota.routes.flights import on_charger
 
 Floats = NDArray[np.float64]
 
@@ -90,6 +91,10 @@ class Watch:
         """(n,) seconds of the clock, when each of ``places`` was last seen, as far as is known."""
         return self._ages.last_seen_s
 
+    def believe(self, robot: str, lag_s: float) -> None:
+        """Take it that a robot on its charger is so far behind its plan."""
+        self._following.believe(next(k for k, one in enumerate(self._robots) if one.name == robot), lag_s)
+
     def take(self, event: Event) -> list[Notice]:
         """Take an event; a tick returns what there is to tell since the last one."""
         if isinstance(event, Heard):
@@ -111,7 +116,9 @@ class Watch:
         if last is not None and heard.time_s <= last.time_s:
             return
         here = (heard.x_m, heard.y_m, heard.height_m)
+        planned_s = heard.time_s - float(self._following.lags_s[number])
         away = heard.time_s < robot.joins_s or (robot.leaves_s is not None and heard.time_s > robot.leaves_s)
+        away = away or bool(on_charger(self.plan.trajectories[number], np.array([planned_s]))[0])
         if not away:
             there, from_s = here, heard.time_s
             if last is not None and heard.time_s - last.time_s <= self.settings.silent_s:
@@ -238,7 +245,7 @@ class Watch:
         """Tell of each battery that is low, and of each robot that must leave."""
         for number, robot in enumerate(self._robots):
             battery = self._batteries[number]
-            if battery.level is None or self._standing[number] == "lost":
+            if battery.level is None or self._standing[number] == "lost" or self.plan.trajectories[number].charges:
                 continue
             leaves_s = self._leaves_in_s(number)
             kind: NoticeKind | None = None
