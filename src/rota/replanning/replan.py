@@ -144,6 +144,9 @@ class _Search:
         from rota.planning.make_plan import search_plan
 
         def note(plan: Plan, report: Report) -> None:
+            ever = _rank_for_ever(report)
+            if ever > self._rank[: len(ever)]:  # however robots come into such loops
+                return
             loops = tuple(replace(one, robot=f"loop {k + 1}") for k, one in enumerate(plan))
             self.try_rounds(loops, OTHERS)
             if not any(one.kind in ("start", "no trajectory") for one in report.violations):
@@ -194,7 +197,15 @@ def _rank_of(report: Report, changed: int) -> Rank:
     worst_s = round(max((one.worst_at_least_s for one in late.demands), default=0.0), LATE_DIGITS)
     if report.verdict == "met":
         again_s = math.inf if late.holds_again_s is None else late.holds_again_s
-        return 0.0, worst_s, round(again_s, LATE_DIGITS) if math.isfinite(again_s) else again_s, changed, late.late_m2_s
+        again_s = round(again_s, LATE_DIGITS) if math.isfinite(again_s) else again_s
+        return *_rank_for_ever(report), worst_s, again_s, changed, late.late_m2_s
+    return *_rank_for_ever(report), worst_s, changed
+
+
+def _rank_for_ever(report: Report) -> Rank:
+    """The part of the order that loops alone decide: whether all is met, or else what is never seen, and the ratio."""
+    if report.verdict == "met":
+        return (0.0,)
     unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
     ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
-    return 1.0, unseen_m2, round(max(ratios, default=0.0), RATIO_DIGITS), worst_s, changed
+    return 1.0, unseen_m2, round(max(ratios, default=0.0), RATIO_DIGITS)

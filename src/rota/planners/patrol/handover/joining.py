@@ -77,10 +77,14 @@ class Entries:
         """The trajectory of the k-th robot into the round, as far round as one who is that far at the time 0."""
         moments_s, one = self.moments_s(k, phase_s), self.standing[k]
         best, best_s = None, math.inf
-        for entry in np.argsort(moments_s, kind="stable")[:MOST_TRIED]:
+        tried, from_s = 0, 0.0
+        for entry in np.argsort(moments_s, kind="stable"):
             joins_s = float(moments_s[entry])
-            if not math.isfinite(joins_s):
+            if not math.isfinite(joins_s) or tried == MOST_TRIED:
                 break
+            if joins_s < from_s:
+                continue
+            tried += 1
             round_ = self.line if self.line.stays else start_at(self.line, float(self.phases_s[entry]))
             approach = self._approach(one, round_)
             turning_s = one.turning_s(
@@ -88,6 +92,7 @@ class Entries:
             )
             least_s = turning_s + approach.duration_s
             if least_s > joins_s + SHORTEST_S and not self.line.stays:
+                from_s = (joins_s + least_s) / 2  # what comes by sooner is missed as well, but for other turns
                 joins_s += math.ceil((least_s - joins_s) / self.line.duration_s) * self.line.duration_s
                 if joins_s < best_s:
                     best_s, best = joins_s, (approach, turning_s, round_)

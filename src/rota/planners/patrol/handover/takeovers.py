@@ -34,6 +34,7 @@ from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
+FINER = 4  # plans, the least late ones, for which phases beside theirs are tried
 HALVINGS = 4  # of the step between phases that are tried beside the best
 PHASES = 6  # of a round that are tried, beside those at which one of its robots need not wait
 
@@ -52,7 +53,8 @@ def takeovers(asked: Handover) -> Iterator[Plan]:
         return
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
-    for finer in takeover.finer:
+    takeover.finer.sort(key=lambda one: one[0])
+    for _, finer in takeover.finer[:FINER]:
         yield from finer
 
 
@@ -109,7 +111,8 @@ class _Takeover:
             if is_clear(line.positions_m[:, :2], ground, self.standing[name].robot.body_radius_m)
         }
         self.rounds = self._rounds_in_reach(ground)
-        self.finer: list[Iterator[Plan]] = []  # plans like those before, at phases beside theirs
+        # how late a plan is, and plans like it at phases beside its own
+        self.finer: list[tuple[tuple[float, ...], Iterator[Plan]]] = []
         self._joined: dict[tuple[int, ...], Round] = {}
 
     def plan(self, trajectories: dict[str, Trajectory]) -> Plan:
@@ -226,8 +229,9 @@ class _Takeover:
         for k, options in enumerate(choices):
             if len(options) > 1:
                 found, best[k] = self._least_late_of(found, options)
-        yield self.plan(found)
-        self.finer.append(self._finer(found, best))
+        plan = self.plan(found)
+        yield plan
+        self.finer.append((self.asked.lateness(plan), self._finer(found, best)))
 
     def _finer(self, found: dict[str, Trajectory], best: list[_Option]) -> Iterator[Plan]:
         """Plans with phases beside the best ones, nearer and nearer to them."""
