@@ -11,7 +11,7 @@ from rota.check.report_schema import report_schema
 from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:
-    from rota.check.late_report import LateSample
+    from rota.check.late_report import ForEver, LateSample
     from rota.model.mission import Mission
     from rota.model.plan import Floats, Plan
 
@@ -30,6 +30,7 @@ __all__ = [
     "report_table",
     "report_to_json",
     "sample_lateness",
+    "sample_loops",
     "worst_gaps_s",
 ]
 
@@ -54,6 +55,13 @@ def sample_lateness(plan: Plan, most_points: int = 400) -> LateSample:
     ``check_plan`` judges all ground between them; most_points: of each demand. Only for a plan with a seam.
     """
     from rota.check.late_samples import sample_lateness as sample
+
+    return sample(plan, most_points)
+
+
+def sample_loops(plan: Plan, most_points: int = 400) -> tuple[ForEver, ...]:
+    """What some points say of each demand of a plan for ever, to compare plans with within moments."""
+    from rota.check.late_samples import sample_loops as sample
 
     return sample(plan, most_points)
 

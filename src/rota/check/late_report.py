@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 NUMBER_OR_NEVER = {"type": ["number", "null"]}
 
@@ -24,17 +24,24 @@ class LateDemand:
     time_s: float | None
 
 
+class ForEver(NamedTuple):
+    """Of one demand: square metres that are never seen, and the longest gap of the others over its period."""
+
+    name: str
+    unseen_m2: float
+    ratio: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class LateSample:
     """What some points say of a plan that takes over from another one; no more than that of the ground between.
 
-    ratio: the longest gap for ever over its period. worst_s: how late some point is after the change. late_m2_s: ground
-    times seconds late, until all has been seen in the loops. last_s: the last moment then at which some point is late.
-    Of points that are never seen any more it says only for how much ground they stand, unseen_m2.
+    for_ever: of each demand, what its loops come to. worst_s: how late some point is after the change. late_m2_s: of
+    all ground, times seconds late, until all has been seen in the loops. last_s: the last moment then at which some
+    point is late. Of points that are never seen any more it says only for how much ground they stand.
     """
 
-    unseen_m2: float
-    ratio: float
+    for_ever: tuple[ForEver, ...]
     worst_s: float
     late_m2_s: float
     last_s: float

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rota.check import lateness_kernels
 from rota.check.demands import DemandedGround, demands_of, visits
-from rota.check.late_report import LateSample
+from rota.check.late_report import ForEver, LateSample
 from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
 from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along
@@ -33,38 +33,47 @@ ENOUGH, MOST = 1_000, 2_000  # sample points of a demand
 def sample_lateness(plan: Plan, most_points: int) -> LateSample:
     """How late some points of each demand are, within moments, to compare plans with."""
     assert plan.seam is not None
-    mission, bounds_m = plan.mission, plan.mission.area.bounds
-    routes = seeing_routes(routes_of(plan), plan)
-    sights, demands = sights_along(routes, sensors_of(plan), mission, bounds_m), demands_of(mission)
-    every = [k for k, demand in enumerate(demands) if demand.demand == "every_point"]
-    points = {k: _some_points(mission, _reach_m(sights), k, most_points) for k in every}
-    unseen_m2, ratios = 0.0, [0.0]
-    for k, (own, areas_m2) in points.items():
-        gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demands[k].period_s)).gaps_s
-        seen = np.isfinite(gaps_s)
-        unseen_m2 += float(areas_m2[~seen].sum())
-        points[k] = own[seen], areas_m2[seen]
-        ratios.append(float(gaps_s[seen].max(initial=0.0)) / demands[k].period_s)
-    for demand in demands:
-        if demand.demand == "visit":
-            gap_s = loop_gap(routes, visits(routes.legs_m, demand.region, slack_of(mission)))[0]
-            unseen_m2 += 0.0 if math.isfinite(gap_s) else demand.region.area
-            ratios.append(gap_s / demand.period_s if math.isfinite(gap_s) else 0.0)
-    across = sights_across(plan, plan.seam)
+    for_ever, points = _sample_loops(plan, most_points)
+    across, demands = sights_across(plan, plan.seam), demands_of(plan.mission)
     if across is None:
-        return LateSample(unseen_m2=unseen_m2, ratio=max(ratios), worst_s=math.inf, late_m2_s=math.inf, last_s=math.inf)
+        return LateSample(for_ever=for_ever, worst_s=math.inf, late_m2_s=math.inf, last_s=math.inf)
     sampled = [
         (_sample_of_visits(across, plan, one) if one.demand == "visit" else _sample_at(across, one, *points[k]), one)
         for k, one in enumerate(demands)
     ]
     told = [(one, demand) for one, demand in sampled if math.isfinite(one.gap_s)]
     return LateSample(
-        unseen_m2=unseen_m2,
-        ratio=max(ratios),
+        for_ever=for_ever,
         worst_s=max((max(0.0, one.gap_s - demand.period_s) for one, demand in told), default=0.0),
         late_m2_s=sum(one.late_m2_s for one, _ in told),
         last_s=max((one.last_s for one, _ in told), default=0.0),
     )
+
+
+def sample_loops(plan: Plan, most_points: int) -> tuple[ForEver, ...]:
+    """What some points of each demand come to for ever, in the order of the demands."""
+    return _sample_loops(plan, most_points)[0]
+
+
+def _sample_loops(plan: Plan, most_points: int) -> tuple[tuple[ForEver, ...], dict[int, tuple[Floats, Floats]]]:
+    """The same, and of each demand the points (n, 2) that are seen, with the ground (n,) that each stands for."""
+    mission = plan.mission
+    routes = seeing_routes(routes_of(plan), plan)
+    sights, demands = sights_along(routes, sensors_of(plan), mission, mission.area.bounds), demands_of(mission)
+    for_ever, points = list[ForEver](), dict[int, tuple[Floats, Floats]]()
+    for k, demand in enumerate(demands):
+        if demand.demand == "visit":
+            gap_s = loop_gap(routes, visits(routes.legs_m, demand.region, slack_of(mission)))[0]
+            never = not math.isfinite(gap_s)
+            unseen_m2, gap_s = (demand.region.area, 0.0) if never else (0.0, gap_s)
+        else:
+            own, areas_m2 = _some_points(mission, _reach_m(sights), k, most_points)
+            gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demand.period_s)).gaps_s
+            seen = np.isfinite(gaps_s)
+            points[k] = own[seen], areas_m2[seen]
+            unseen_m2, gap_s = float(areas_m2[~seen].sum()), float(gaps_s[seen].max(initial=0.0))
+        for_ever.append(ForEver(demand.name, unseen_m2, gap_s / demand.period_s))
+    return tuple(for_ever), points
 
 
 @functools.lru_cache(maxsize=32)

@@ -127,7 +127,8 @@ class Zone:
     """Part of the area with its own period; None asks nothing there.
 
     ``demand`` "every_point": each point must be seen in every window of ``period_s``; "visit": a robot must be inside.
-    ``importance``: what a square metre of it is worth to a swarm, in place of ``Mission.importance``; None: as there.
+    ``importance``: what a square metre of it is worth to a swarm, and which zones come first in a patrol whose robots
+    are too few when it is replanned, in place of ``Mission.importance``; None: as there.
     """
 
     name: str = field_of(count=((1, None),))
@@ -138,7 +139,7 @@ class Zone:
     shape: MultiPolygon = field_of()
     importance: float | None = field_of(
         None,
-        "of a swarm's ground: what a square metre is worth there; null: as outside zones",
+        "what it is worth to a swarm, or to a patrol that is replanned with too few robots; null: as outside zones",
         **IMPORTANCE,
         newer=True,
         spared=True,
@@ -164,7 +165,8 @@ class Mission:
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground. ``holds_within_s``: all robots are in their loops, from when on
     periods hold, within so many seconds (None: at any time). ``importance``: what a square metre of ground is worth to
-    a swarm outside zones with an importance of their own, a number or a map; None: 1. ``lanes``: where there are some,
+    a swarm outside zones with an importance of their own, a number or a map, and to a patrol that is replanned with too
+    few robots, a number; None: 1. ``lanes``: where there are some,
     robots keep to them. ``chargers``: where robots charge whose batteries run low.
     """
 
@@ -176,7 +178,7 @@ class Mission:
     )
     importance: float | ImportanceMap | None = field_of(
         None,
-        "of a swarm: what a square metre outside zones with an importance is worth, or a map; null: 1",
+        "what a square metre outside zones with an importance is worth, or for a swarm a map; null: 1",
         **IMPORTANCE,
         needs="a number from 0 on or {map: FILE, black: ..., white: ...} is needed",
         newer=True,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError
@@ -64,7 +64,8 @@ class Handover:
     mission: of the robots that remain. places: where they are at that moment. seam: as the plan has it.
     going_on: what robots that remain would drive from then on by the plan before, by their names. loops: whose rounds
     are to be shared among those that remain; the clock of all is 0 at that moment. lateness: how late a plan is; less
-    is better. most: ways to share them that are worked out.
+    is better. most: ways to share them that are worked out. importance: of what depends on each of the loops, by name,
+    where that differs: rounds of what is less important may be left out; empty: all are as important.
     """
 
     mission: Mission
@@ -75,6 +76,7 @@ class Handover:
     loops: tuple[Trajectory, ...]
     lateness: Callable[[Plan], tuple[float, ...]]
     most: int
+    importance: Mapping[str, float] = field(default_factory=dict)
 
 
 class Planner(ABC):

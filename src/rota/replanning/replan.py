@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rota.errors import MissionError, NoPlanFound
 from rota.planning.planner import Handover, planner_of
 from rota.planning.stopping import StopRule
+from rota.replanning.order import Order, Rank
 from rota.replanning.situation import Change, Place, Situation, situation_after
 
 if TYPE_CHECKING:
@@ -19,13 +20,9 @@ if TYPE_CHECKING:
     from rota.model.mission import Mission
     from rota.model.plan import Plan, Trajectory
 
-FIRST = 4  # plans of which the first answer is the least late
+FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
 POINTS = 150  # of each demand that plans are compared at
-RATIO_DIGITS, LATE_DIGITS = 2, 1  # to which plans are compared: sample points are no nearer to the worst ones
-NEARLY = 1 + 1e-6  # so many times its period a gap is met for ever, as far as sample points go
-
-Rank = tuple[float, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +94,7 @@ class _Search:
         self, situation: Situation, seed: int, stop: StopRule, on_better: Callable[[Replanned], None] | None
     ) -> None:
         self._situation, self._seed, self._stop, self._tell = situation, seed, stop, on_better
-        self._planner = planner_of(situation.mission)
+        self._planner, self._order = planner_of(situation.mission), Order(situation.mission)
         self._best: Replanned | None = None
         self._rank: Rank = (math.inf,)
         self._best_sampled: Rank = (math.inf,)
@@ -121,6 +118,7 @@ class _Search:
             mission=situation.mission, places=situation.places, seam=situation.seam, seed=self._seed,
             going_on=situation.going_on if loops is situation.loops else {}, loops=loops,
             lateness=self._sample, most=most,
+            importance=self._order.importance_of(loops, situation.team) if loops is situation.loops else {},
         )  # fmt: skip
         plans = iter(self._planner.takeovers(asked))
         # on lanes the second plan takes seconds
@@ -140,21 +138,34 @@ class _Search:
         return self.is_done or (self._stop() and self._best is not None)
 
     def look_for_better(self, progress: Callable[[float, str], None] | None) -> None:
-        """Search for other rounds; each that is found is shared by the robots that remain."""
+        """Search for other rounds; each that is found is shared by the robots that remain.
+
+        Where what is more important is not met by any, also for rounds that serve nothing else.
+        """
+        mission = self._situation.mission
+        self._search(mission, progress)
+        for count in range(len(self._order.levels) - 1, 0, -1):
+            if self._is_over() or self._rank[0] == 0.0 or not any(self._rank[1 : 1 + 2 * count]):
+                return
+            self._search(self._order.only_most_important(count), progress)
+
+    def _search(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
+        """Search for rounds for a mission, which may ask for less than that of the situation."""
         from rota.planning.make_plan import search_plan
 
         def note(plan: Plan, report: Report) -> None:
-            ever = _rank_for_ever(report)
-            if ever > self._rank[: len(ever)]:  # however robots come into such loops
-                return
+            if mission is self._situation.mission:
+                ever = self._order.of_report(report)
+                if ever > self._rank[: len(ever)]:  # however robots come into such loops
+                    return
             loops = tuple(replace(one, robot=f"loop {k + 1}") for k, one in enumerate(plan))
             self.try_rounds(loops, OTHERS)
             if not any(one.kind in ("start", "no trajectory") for one in report.violations):
-                self._try(replace(plan, seam=self._situation.seam))
+                self._try(replace(plan, mission=self._situation.mission, seam=self._situation.seam))
 
         with suppress(NoPlanFound, MissionError):
             search_plan(
-                self._situation.mission,
+                mission,
                 seed=self._seed,
                 progress=progress,
                 on_better=note,
@@ -171,7 +182,7 @@ class _Search:
             self._why = wrong[0].text()
             return False
         kept = tuple(one.robot for one in plan if one == self._situation.going_on.get(one.robot))
-        rank = _rank_of(report, len(plan) - len(kept))
+        rank = self._order.of_plan(report, len(plan) - len(kept))
         if rank >= self._rank:
             return False
         self._best, self._rank = Replanned(plan=plan, report=report, kept=kept, stopped_early=False), rank
@@ -184,28 +195,5 @@ class _Search:
         """How late sample points are; less is better."""
         from rota.check import sample_lateness
 
-        one = sample_lateness(plan, POINTS)
         changed = sum(line != self._situation.going_on.get(line.robot) for line in plan)
-        ever = (one.unseen_m2, round(one.ratio, RATIO_DIGITS) if one.ratio > NEARLY else 0.0)
-        return *ever, round(one.worst_s, LATE_DIGITS), round(one.last_s, LATE_DIGITS), changed, one.late_m2_s
-
-
-def _rank_of(report: Report, changed: int) -> Rank:
-    """The order of plans that can be driven; the best has the least."""
-    late = report.lateness
-    assert late is not None
-    worst_s = round(max((one.worst_at_least_s for one in late.demands), default=0.0), LATE_DIGITS)
-    if report.verdict == "met":
-        again_s = math.inf if late.holds_again_s is None else late.holds_again_s
-        again_s = round(again_s, LATE_DIGITS) if math.isfinite(again_s) else again_s
-        return *_rank_for_ever(report), worst_s, again_s, changed, late.late_m2_s
-    return *_rank_for_ever(report), worst_s, changed
-
-
-def _rank_for_ever(report: Report) -> Rank:
-    """The part of the order that loops alone decide: whether all is met, or else what is never seen, and the ratio."""
-    if report.verdict == "met":
-        return (0.0,)
-    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
-    ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
-    return 1.0, unseen_m2, round(max(ratios, default=0.0), RATIO_DIGITS)
+        return self._order.of_sample(sample_lateness(plan, POINTS), changed)

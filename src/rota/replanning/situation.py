@@ -11,7 +11,7 @@ import shapely
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
 from rota.model.limits import LONGEST_S
-from rota.model.mission import TOUCH_M, Mission, Obstacle, Robot
+from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot
 from rota.model.plan import Driven, Plan, Seam, Trajectory
 from rota.replanning.moments import delay, go_on, join_ways, way_before
 
@@ -41,7 +41,7 @@ class Situation:
     """mission: of the robots that remain, each with its start, but on lanes. seam: what a plan takes over from.
 
     places: where robots are that remain. going_on: what they would drive from now on by the plan before, by name;
-    loops: what all would, lost ones too. The clock is 0 now.
+    loops: what all would, lost ones too. The clock is 0 now. team: the fleet of the plan before.
     """
 
     mission: Mission
@@ -49,6 +49,7 @@ class Situation:
     places: dict[str, Place]
     going_on: dict[str, Trajectory]
     loops: tuple[Trajectory, ...]
+    team: Fleet
 
 
 def situation_after(plan: Plan, change: Change) -> Situation:
@@ -69,6 +70,7 @@ def situation_after(plan: Plan, change: Change) -> Situation:
         going_on=remain,
         places=places,
         loops=tuple(now.values()),
+        team=plan.mission.fleet,
     )
 
 

@@ -24,6 +24,7 @@ Preference = Literal["shortest", "fewest_turns"]
 
 # a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
 MOST_PATROLLING = 10_000
+MAP_OF_IMPORTANCE = "patrol compares whole zones by their importance: give a number, or importance for zones"
 LEAST_REACH_M = 1e-3  # that a reserve must leave of a sensor's reach
 
 
@@ -41,6 +42,7 @@ class PatrolSettings(PlannerSettings):
     """
 
     planner: ClassVar[str] = "patrol"
+    heeds_importance: ClassVar[bool] = True
     heeds_entrances: ClassVar[bool] = True
     heeds_lanes: ClassVar[bool] = True
     heeds_batteries: ClassVar[bool] = True
@@ -108,6 +110,8 @@ class PatrolSettings(PlannerSettings):
         for method, block in cls.method_blocks().items():
             if inner(data, "patrol", "method") == method:
                 yield from block.refusals(data)
+        if not isinstance(data.get("importance"), int | float | None):
+            yield ("importance",), MAP_OF_IMPORTANCE
         yield from lane_refusals(data)
         yield from charging_refusals(data)
         yield from _ways_to_turn(data)

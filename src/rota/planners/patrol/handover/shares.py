@@ -27,31 +27,68 @@ Sharing = tuple[Share, ...]
 
 
 def sharings(
-    rounds: Sequence[Round], names: Sequence[str], between_m: Floats, speed_m_s: float, most: int
+    rounds: Sequence[Round],
+    names: Sequence[str],
+    between_m: Floats,
+    speed_m_s: float,
+    most: int,
+    importance: Sequence[float] = (),
 ) -> list[Sharing]:
     """How robots of these names may share the rounds, at most so many: the one expected to be late least comes first.
 
     Where each robot comes round as often as before, or more often, a round is as good as it was. Of as good ones that
-    comes first in which fewer robots change.
+    comes first in which fewer robots change. importance: of each round; then more important rounds are to be late
+    least first, and rounds that are less important than others may be left to nobody.
     """
-    ranked: list[tuple[float, float, Sharing]] = []
-    for parts in _partitions(rounds, len(names), between_m):
-        durations_s = [_duration_s(part, rounds, between_m, speed_m_s) for part in parts]
-        before = [[len(rounds[k].ahead_s) for k in part] for part in parts]
-        # how many times as rarely as before each of the rounds is driven with one robot
-        loads = [
-            max(duration_s * count / max(rounds[k].duration_s, 1e-9) for k, count in zip(part, counts, strict=True))
-            for part, counts, duration_s in zip(parts, before, durations_s, strict=True)
-        ]
-        here = [sum(name in rounds[k].ahead_s for k in part for name in names) for part in parts]
-        for counts in _counts(loads, here, len(names)):
-            worst = max(load / count for load, count in zip(loads, counts, strict=True))
-            moved = sum(max(0, count - own) for count, own in zip(counts, here, strict=True))
-            joined = sum(len(part) - 1 for part in parts)
-            sharing = tuple(Share(part, count) for part, count in zip(parts, counts, strict=True))
-            ranked.append((max(worst, 1.0), moved + joined, sharing))
-    ranked.sort(key=lambda one: one[:2])
-    return list(dict.fromkeys(sharing for _, _, sharing in ranked))[:most]
+    matters = list(importance) or [0.0] * len(rounds)
+    levels = sorted(set(matters), reverse=True)
+    ranked: list[tuple[tuple[float, ...], Sharing]] = []
+    for least in levels:
+        kept = [k for k, own in enumerate(matters) if own >= least]
+        team = _Team([rounds[k] for k in kept], names, between_m[np.ix_(kept, kept)], speed_m_s)
+        for sharing, loads, changed in team.sharings():
+            named = tuple(Share(tuple(kept[k] for k in share.rounds), share.robots) for share in sharing)
+            worst = [
+                max((load for share, load in zip(named, loads, strict=True) if _matters(share, matters) == level),
+                    default=1.0 if level >= least else np.inf)
+                for level in levels
+            ]  # fmt: skip
+            ranked.append(((*(max(load, 1.0) for load in worst), changed), named))
+    ranked.sort(key=lambda one: one[0])
+    return list(dict.fromkeys(sharing for _, sharing in ranked))[:most]
+
+
+def _matters(share: Share, matters: Sequence[float]) -> float:
+    """The importance of a share: of its most important round."""
+    return max(matters[k] for k in share.rounds)
+
+
+@dataclass(frozen=True, kw_only=False, eq=False)
+class _Team:
+    """Robots, by their names, that are to share all of some rounds, which lie so far from each other."""
+
+    rounds: Sequence[Round]
+    names: Sequence[str]
+    between_m: Floats
+    speed_m_s: float
+
+    def sharings(self) -> Iterator[tuple[Sharing, list[float], float]]:
+        """Ways to share them, how many times as rarely as before each share is driven, and how much changes."""
+        rounds, names = self.rounds, self.names
+        for parts in _partitions(rounds, len(names), self.between_m):
+            durations_s = [_duration_s(part, rounds, self.between_m, self.speed_m_s) for part in parts]
+            before = [[len(rounds[k].ahead_s) for k in part] for part in parts]
+            # how many times as rarely as before each of the rounds is driven with one robot
+            loads = [
+                max(duration_s * count / max(rounds[k].duration_s, 1e-9) for k, count in zip(part, counts, strict=True))
+                for part, counts, duration_s in zip(parts, before, durations_s, strict=True)
+            ]
+            here = [sum(name in rounds[k].ahead_s for k in part for name in names) for part in parts]
+            for counts in _counts(loads, here, len(names)):
+                moved = sum(max(0, count - own) for count, own in zip(counts, here, strict=True))
+                joined = sum(len(part) - 1 for part in parts)
+                sharing = tuple(Share(part, count) for part, count in zip(parts, counts, strict=True))
+                yield sharing, [load / count for load, count in zip(loads, counts, strict=True)], moved + joined
 
 
 def _counts(loads: Sequence[float], here: Sequence[int], robots: int) -> Iterator[list[int]]:

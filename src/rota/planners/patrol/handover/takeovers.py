@@ -143,7 +143,10 @@ class _Takeover:
         """Ways to share the rounds that are worth a look."""
         paths = self.paths_by_body.paths(self.robot.body_radius_m)
         between_m = distances_between(self.rounds, paths)
-        return sharings(self.rounds, list(self.standing), between_m, self._slowest.ground_speed_m_s, self.asked.most)
+        matters = self.asked.importance
+        importance = [max(matters.get(name, 0.0) for name in round_.ahead_s) for round_ in self.rounds]
+        speed_m_s = self._slowest.ground_speed_m_s
+        return sharings(self.rounds, list(self.standing), between_m, speed_m_s, self.asked.most, importance)
 
     def plans_of(self, sharing: Sharing) -> Iterator[Plan]:
         """Plans with rounds shared so: robots keep theirs and others fill in for lost ones, or are spaced evenly."""
