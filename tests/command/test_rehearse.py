@@ -52,6 +52,8 @@ def test_a_rehearsal_is_told_drawn_and_given_as_json(
         (["--wind", "1,2,3"], "--wind: '1,2,3' is not allowed"),
         (["--wind", "nan"], "--wind: 'nan' is not allowed"),
         (["--wind", "5"], "--wind: 5 is not allowed; r0 makes 1 m/s through the air"),
+        (["--late-relief", "-1"], "--late-relief: -1.0 is not allowed; must be at least 0 and at most 100000"),
+        (["--late-relief", "5"], "--late-relief: 5 is not allowed; nobody charges in this plan"),
         (["--seed", "-3"], "--seed: -3 is not allowed; must be a whole number of at least 0"),
         (["-o", "picture.txt"], "picture.txt: '.txt' is no format for a picture"),
     ],

@@ -145,12 +145,14 @@ def test_a_copter_on_its_charger_takes_off_when_it_is_to_leave_and_lands_when_it
         assert link._stream.target("a") is None
         assert vehicles[0].commands[-1] == mav.MAV_CMD_NAV_LAND
 
-    with flying(COPTER) as vehicles:
+    beside = 114998657 + 403  # 3 m east of the pad's middle
+    with flying(replace(COPTER, position=(481000000, beside, 0))) as vehicles:
         with_link(plan, vehicles, fly)
         (_, first), (_, last) = vehicles[0].targets[0], vehicles[0].targets[-1]
-        assert (first.y, first.z) == (pytest.approx(0.0, abs=2.0), pytest.approx(-25.0, abs=0.1))  # it leads by some
-        assert last.y > 3.0
+        assert (first.y, first.z) == (pytest.approx(-3.0, abs=2.0), pytest.approx(-25.0, abs=0.1))  # it leads by some
+        assert last.y > 1.0
         assert vehicles[0].flight.height_m == 0.0
+        assert vehicles[0].flight.lon * 1e7 == pytest.approx(beside, abs=5)  # where it stood, not in the middle
 
 
 def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() -> None:

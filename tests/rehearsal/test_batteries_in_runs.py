@@ -13,6 +13,7 @@ from tests.relieved import FLIGHT_S, TURN_S, relieved
 import rota
 from rota import Plan
 from rota.check.charging import battery_levels
+from rota.engines.processes import LocalProcesses
 from rota.model.mission import Charger
 from rota.rehearsal import rehearsal_table, rehearsal_to_json
 from rota.rehearsal.conditions import Conditions
@@ -171,6 +172,13 @@ def test_the_table_and_json_tell_of_batteries() -> None:
         assert each["least_s"]["mean"] == pytest.approx(robot.levels_s.mean())
         assert each["runs_below_reserve"]["mean"] == np.mean(robot.levels_s < 215 - 1e-6)
     assert rota.draw_rehearsal(plan, made) is not None
+
+
+def test_processes_tell_the_same_of_batteries_as_threads() -> None:
+    asked = {"hours": 0.5, "late_relief_s": 5.0, "speed_noise": 0.05, "failures_per_hour": 0.5, "runs": 8}
+    with LocalProcesses(2) as executor:
+        by_processes = rehearsal_to_json(rota.rehearse(relieved(3), **asked, executor=executor))
+    assert by_processes == rehearsal_to_json(rota.rehearse(relieved(3), **asked))
 
 
 def test_late_reliefs_need_somebody_who_charges() -> None:

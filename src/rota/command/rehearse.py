@@ -59,6 +59,7 @@ def rehearse(
     cluster: ClusterAddress = None,
 ) -> None:
     """Rehearse a plan with robots that fail or are late."""
+    from rota.check import compiled_packages
     from rota.files.atomic_write import require_suffix
     from rota.rehearsal import draw_rehearsal, rehearsal_table, rehearsal_to_json, rehearse as rehearse_plan
 
@@ -67,7 +68,7 @@ def rehearse(
         require_target(output, source=plan)
     speed_noise, (wind_m_s, wind_from_deg) = _share(noise), _wind(wind)
     answer = read_plan_argument(plan)
-    mention_compiling("rehearsal", "live", "check")
+    mention_compiling("rehearsal", "live", "check", *(compiled_packages(answer.mission) if replan else ()))
     with (
         saying_when_interrupted("the plan is not rehearsed to the end"),
         progress_bar() as bar,

@@ -54,7 +54,7 @@ class Order:
 
     late_s: how far it is behind that clock; below 0: ahead of it. behind_s: how far the clock is behind the link's
     time. rate: the pace, as a share of the plan's, at which the robot is to go on; 0: it holds where it is. dock: of
-    one that is on its charger.
+    one that is on its charger, and late_s then how far the clock of all is past its leaving.
     """
 
     robot: str

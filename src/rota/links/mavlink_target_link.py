@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
@@ -22,6 +23,7 @@ from rota.model.plan import Plan
 from rota.routes.flights import on_charger, recharges
 from rota.routes.route import Place3, Route
 
+OWN_SPOT_M = 5.0  # from its charger, within which a copter has a place of its own there
 CLIMBS_M_S, ARMS_S = 2.5, 5.0  # ArduCopter's WPNAV_SPEED_UP by default; until it is armed and off the ground
 
 
@@ -38,6 +40,7 @@ class MavlinkTargetLink(MavlinkLink):
         super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings, {})
         self._altitude_m = fleet.altitude_m
         self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S if recharges(plan) else 0.0
+        self._spots_m: dict[str, tuple[float, float]] = {}
         self._docked = {way.robot for way in plan if on_charger(way, np.zeros(1))[0]}
         asked, corner_m = settings.acceleration_m_s2, settings.corner_m
         # rounded more than need be where there is room, so that all can be driven faster than planned for a while
@@ -68,6 +71,8 @@ class MavlinkTargetLink(MavlinkLink):
         One that begins on its charger, and is on the ground, stays there until ``keep`` has it leave.
         """
         vehicle = self._vehicle(robot)
+        if (spot_m := self.home_m(robot)) is not None:
+            self._spots_m.setdefault(robot, spot_m[:2])  # its home is another one whenever it arms
         if robot in self._docked and not vehicle.in_air:
             return
         if not vehicle.in_air:
@@ -98,20 +103,29 @@ class MavlinkTargetLink(MavlinkLink):
         """By the pace of its targets; on its charger it lands, and takes off when it is to leave."""
         target = self._stream.target(order.robot)
         if order.dock is not None:
-            await self._dock(self._vehicle(order.robot), order.dock)
+            await self._dock(self._vehicle(order.robot), order.dock, order)
         elif target is not None:
             target.keep(order.late_s, order.rate)
 
-    async def _dock(self, vehicle: MavlinkVehicle, dock: Dock) -> None:
-        """Land on the charger and stay there, or take off from it and fly on by plan."""
-        robot = vehicle.robot
+    async def _dock(self, vehicle: MavlinkVehicle, dock: Dock, order: Order) -> None:
+        """Land on the charger and stay there, or take off from it, hover until it is time, and fly on by plan.
+
+        It lands where it stood at first, if that is at this charger: others stand beside it.
+        """
+        robot, flown = vehicle.robot, self._stream.target(vehicle.robot)
         if not dock.leaves and vehicle.in_air:
             x, y = self._tracks[robot].at(dock.plan_s).place_m[:2].tolist()
-            await self.go(robot, [(x, y, self._altitude_m)])
+            own_m = self._spots_m.get(robot, (x, y))
+            at_m = own_m if math.dist(own_m, (x, y)) <= OWN_SPOT_M else (x, y)
+            await self.go(robot, [(*at_m, self._altitude_m)])
             await self.land(robot)
-        elif dock.leaves and self._stream.target(robot) is None:
+        elif dock.leaves and flown is None:
             await self.climb(robot, self._altitude_m)
-            self._stream.give(robot, await self._target(vehicle, dock.plan_s, lost=False))
+            made = await self._target(vehicle, dock.plan_s, lost=False)
+            made.wanted = 0.0
+            self._stream.give(robot, made)
+        elif dock.leaves and flown is not None:
+            flown.keep(order.late_s, order.rate)
 
     async def pause(self, robot: str) -> None:
         """No more targets, and hold."""

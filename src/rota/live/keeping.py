@@ -100,7 +100,13 @@ class Keeping:
         self._holds = waited
         self.rate = 0.0 if waited else max(min(LEAST_RATE, self._most_rate), min(rates))
         docked = [
-            Order(robot=name, late_s=0.0, behind_s=self.behind_s, rate=self._most_rate, dock=dock)
+            Order(
+                robot=name,
+                late_s=now_s - self.behind_s - dock.plan_s,
+                behind_s=self.behind_s,
+                rate=self._most_rate,
+                dock=dock,
+            )
             for name, dock in self.conduct.docks.items()
         ]
         return [*docked, *(self._order(name, late_s) for name, late_s in orders)], told

@@ -18,7 +18,7 @@ from rota.model.fleet import Robot
 from rota.model.plan import Plan, Trajectory
 from rota.routes.charging_legs import ChargingLegs, charging_legs
 
-AT_CHARGER_M = 2.0  # from it, within which a robot is there: what places are told wrong by
+AT_CHARGER_M = 2.0  # from it, within which a robot comes to it, and from where it stood, beyond which it has left
 SOON_S = 5.0  # by which a robot may be there before the plan has it
 KEPT_SHARE = 0.05  # of what a robot needs to come to its charger: so much more is left when it waits no longer
 TOLD_SHARE = 0.01  # of a battery, to which many robots tell their charge
@@ -41,12 +41,15 @@ class Conduct:
 
 @dataclass
 class _Stay:
-    """A robot on its charger until the plan has it leave, with what it needs then; left: it was told to leave."""
+    """A robot on its charger until the plan has it leave, with what it needs then.
+
+    left_m: where it was when it was told to leave; None: it was not.
+    """
 
     charger: int
     leaves_s: float
     needs_s: float
-    left: bool = False
+    left_m: tuple[float, float] | None = None
     told_late_s: float | None = None
 
 
@@ -104,7 +107,7 @@ class Reliefs:
                     hurried.add(robot.name)
                 continue
             made.docks[robot.name], is_late = self._on_charger(now_s, flyer, flyer.stay, robot, behind_s)
-            if not flyer.stay.left:
+            if flyer.stay.left_m is None:
                 made.lags_s[robot.name] = now_s - min(now_s - behind_s, flyer.stay.leaves_s)
             if is_late:
                 late.append(robot.name)
@@ -114,7 +117,8 @@ class Reliefs:
     def _come_and_go(self, now_s: float, flyer: _Flyer, robot: RobotState) -> None:
         """Note that a robot has come to a charger, or has left it."""
         if flyer.stay is not None:
-            if flyer.stay.left and self._off_m(robot, flyer.stay.charger) > AT_CHARGER_M:
+            stood_m, now_m = flyer.stay.left_m, robot.place_m
+            if stood_m is not None and now_m is not None and math.dist(stood_m, now_m) > AT_CHARGER_M:
                 self._tell(now_s, "takes off", robot, f"leaves {self._chargers[flyer.stay.charger].name}")
                 flyer.stay = None
             return
@@ -132,14 +136,14 @@ class Reliefs:
         left_s = math.inf if robot.battery is None or full_s is None else robot.battery * full_s
         enough_s = min(stay.needs_s + flyer.robot.battery.reserve_s, full_s or 0.0)
         ready = left_s >= enough_s - TOLD_SHARE * (full_s or 0.0)
-        if not stay.left and ready and clock_s >= stay.leaves_s - self._lead_s:
-            stay.left = True
+        if stay.left_m is None and ready and clock_s >= stay.leaves_s - self._lead_s:
+            stay.left_m = robot.place_m
             if stay.told_late_s is not None:
                 late_s = now_s - stay.told_late_s
                 self._told.append(
                     _notice(now_s, "relief comes", robot.name, f"{robot.name} comes, {late_s:.0f} s late")
                 )
-        late = not stay.left and clock_s >= stay.leaves_s
+        late = stay.left_m is None and clock_s >= stay.leaves_s
         if late and stay.told_late_s is None:
             stay.told_late_s = now_s
             self._told.append(
@@ -149,7 +153,7 @@ class Reliefs:
                     " there; robots hold their posts as long as their batteries let them",
                 )
             )  # fmt: skip
-        return Dock(leaves=stay.left, plan_s=stay.leaves_s), late
+        return Dock(leaves=stay.left_m is not None, plan_s=stay.leaves_s), late
 
     def _hurries(self, now_s: float, flyer: _Flyer, robot: RobotState, behind_s: float) -> bool:
         """Whether a robot in the air has nothing left to wait with; one that tells no battery does not wait."""

@@ -116,9 +116,9 @@ class Watch:
         if last is not None and heard.time_s <= last.time_s:
             return
         here = (heard.x_m, heard.y_m, heard.height_m)
-        planned_s = heard.time_s - float(self._following.lags_s[number])
         away = heard.time_s < robot.joins_s or (robot.leaves_s is not None and heard.time_s > robot.leaves_s)
-        away = away or bool(on_charger(self.plan.trajectories[number], np.array([planned_s]))[0])
+        if (way := self.plan.trajectories[number]).charges:
+            away |= bool(on_charger(way, np.array([heard.time_s - self._following.lags_s[number]]))[0])
         if not away:
             there, from_s = here, heard.time_s
             if last is not None and heard.time_s - last.time_s <= self.settings.silent_s:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.errors import RotaError
+from rota.errors import MissionError, RotaError
 from rota.live.kernels import PlannedSights
 from rota.model.plan import Plan, Trajectory
 from rota.rehearsal import drive_kernels
@@ -58,6 +58,8 @@ def drive_in_stages(scene: Scene, seed: int, number: int) -> tuple[list[Stage], 
         if found is not None:
             tick, fresh = found
             try:
+                if scene.charges:  # a new plan would have to begin with batteries as they are
+                    raise MissionError("chargers: robots that charge are not replanned in rehearsals")
                 names = [scene.plan.trajectories[robot].robot for robot in sorted(fresh)]
                 at_s = tick * scene.tick_s
                 plan = replan(plan, at_s=at_s, lost=names, should_stop=lambda: True).plan
