@@ -19,7 +19,7 @@ EXAMPLES = ("warehouse", "building", "parcel", "sun2019-fig13", "coast", "harbou
 LOSSES, OF_EACH = 100, 4  # random losses, and those of one random mission
 STEP_S, POINTS = 0.1, 150
 FIRST_S, RECOVERY = 2.0, 2.0  # what is asked: of the first answer, and of recovery in longest periods
-LIMIT_S = 90.0  # of the processor, until an answer is there, or one that meets the demand where those left suffice
+LIMIT_S = 60.0  # of the processor, until an answer is there, or one that meets the demand where those left suffice
 TOLERANCE_S = 0.25
 
 

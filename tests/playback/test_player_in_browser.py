@@ -96,6 +96,13 @@ def only(arrays: dict[str, Any], some: Any) -> dict[str, Any]:
     return {**of_entries, "sight_offsets": offsets, **sights}
 
 
+COLOUR = """([canvas, x, y]) => {
+  rotaPlayer.draw();
+  const stage = rotaPlayer._stage;
+  const [px, py] = stage.toPixels(x, y);
+  const context = stage.contexts[canvas];
+  return [...context.getImageData(Math.round(px * stage.ratio), Math.round(py * stage.ratio), 1, 1).data];
+}"""
 AWAY_PX = """[0, 2].map((k) => {
   const { robots, playback, _stage: stage } = rotaPlayer;
   const [x, y] = playback.header.mission.chargers[0].at;
@@ -132,6 +139,17 @@ def test_batteries_in_the_browser_are_those_of_films_and_who_charges_stands_besi
     assert percents == pytest.approx([100 * (220 + 140) / 400, 100 * (400 - 90) / 400, 100], abs=0.5)
     away_px = offline_page.evaluate(AWAY_PX)
     assert away_px == pytest.approx([24, 24])
+    assert offline_page.evaluate(COLOUR, ["shapes", 0.0, 0.0])[:3] == [34, 34, 34], "a bolt marks the charger"
+
+
+def test_a_cross_stands_where_a_robot_was_lost_before_the_plan_took_over(opened: Open, offline_page: Page) -> None:
+    before = two_robots()
+    opened(replan(before, at_s=107.0, lost=["b"], should_stop=lambda: True).plan)
+    assert offline_page.locator(".rota-player", has_text="0:00.0 is 1:47.0 of the plan before; lost: b.").count() == 1
+    x, y = before["b"].at([107.0])[0]
+    red, green, blue, alpha = offline_page.evaluate(COLOUR, ["shapes", float(x), float(y)])
+    assert alpha > 200
+    assert red > 2 * max(green, blue)
 
 
 def test_a_lost_robot_shows_what_lapses_and_undo_takes_it_back(opened: Open, offline_page: Page) -> None:

@@ -73,8 +73,8 @@ export function drawGround(stage, playback, colours, shown, lost) {
     drawRoutes(context, playback, colours, pixel, lost);
     if ("turn_time_s" in playback.arrays) drawTurns(context, playback, colours, pixel);
   }
-  drawChargers(stage, mission, pixel);
   if (playback.header.seam) drawWaysBefore(context, playback.header.seam, colours, pixel);
+  drawChargers(stage, mission);
   drawNames(stage, mission, colours);
 }
 
@@ -109,13 +109,10 @@ function drawRoutes(context, playback, colours, pixel, lost) {
   context.globalAlpha = 1;
 }
 
-/** A square with a bolt and the name at each charger. */
-function drawChargers(stage, { chargers }, pixel) {
+/** A square with a bolt at each charger. */
+function drawChargers(stage, { chargers }) {
   const context = stage.inPixels("shapes");
-  context.font = "600 11px system-ui, sans-serif";
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  for (const { at, name } of chargers) {
+  for (const { at } of chargers) {
     const [x, y] = stage.toPixels(...at);
     context.fillStyle = "#ffe45c";
     context.strokeStyle = "#222222";
