@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from rota.check.tolerances import BATTERY_S, SAME_TIME
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
-
-KEPT_SHARE = 0.05  # of what a robot needs to come to its charger: so much more is left when it waits no longer
+from rota.live.reliefs import KEPT_SHARE
 
 
 @by_reference
