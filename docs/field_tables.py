@@ -10,6 +10,8 @@ from rota.files.mission_schema import DRIVING
 from rota.model.batteries import Charger
 from rota.model.battery_limits import BatteryLimits
 from rota.model.fields import any_of, fields_of
+from rota.model.fleet import Abilities, Kind
+from rota.model.mission import DiscSensor, Zone
 from rota.model.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
 from rota.vehicles.presets import VEHICLES
@@ -20,7 +22,10 @@ PART = re.compile(r"(<!-- (\w+): python -m docs\.field_tables -->\n).*?(<!-- end
 
 def with_fields(page: str) -> str:
     """The page's text with its parts about fields as they are declared."""
-    parts = {"mission": mission_part, "motion": motion_part, "batteries": batteries_part, "vehicles": vehicles_part}
+    parts = {
+        "mission": mission_part, "motion": motion_part, "batteries": batteries_part, "kinds": kinds_part,
+        "vehicles": vehicles_part,
+    }  # fmt: skip
     return PART.sub(lambda found: found[1] + "\n" + parts[found[2]]() + "\n" + found[3], page)
 
 
@@ -48,6 +53,16 @@ def batteries_part() -> str:
         for item in fields_of(block)
     ]
     return "\n".join(["| key | unit | meaning |", "|---|---|---|", *rows, ""])
+
+
+def kinds_part() -> str:
+    """A row for each field of kinds that robots do not have, and for those by which sensors count."""
+    able = {item.name for item in fields_of(Abilities)}
+    told = [("fleet.kinds[].", item) for item in fields_of(Kind) if item.name not in able]
+    told += [("fleet.sensor.", item) for item in fields_of(DiscSensor) if item.name == "name"]
+    told += [("zones[].", item) for item in fields_of(Zone) if item.name == "sensors"]
+    rows = [f"| `{prefix}{item.name}` | {item.meaning} |" for prefix, item in told]
+    return "\n".join(["| key | meaning |", "|---|---|", *rows, ""])
 
 
 def vehicles_part() -> str:

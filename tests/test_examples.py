@@ -29,6 +29,7 @@ DATA = PROJECT.parent / "shared" / "data"
 MISSIONS = [
     "building",
     "coast",
+    "farm",
     "harbour",
     "harbour-copters",
     "parcel",
@@ -36,6 +37,7 @@ MISSIONS = [
     "sun2019-fig13",
     "sun2019-fig16",
     "warehouse",
+    "warehouse-relief",
 ]
 needs_real_inputs = pytest.mark.skipif(not DATA.is_dir(), reason="../shared/data is missing")
 

@@ -34,7 +34,7 @@ PATROL_STAGES = [
     ["shortening"],
     ["methods"],
     ["route_graph", "relief"],
-    ["handover"],
+    ["handover", "kinds"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

@@ -13,7 +13,7 @@ from shapely import MultiPolygon, box
 from rota import BounceSettings, SwarmSettings
 from rota.errors import MissionError, PlanError
 from rota.model.battery_limits import BatteryLimits
-from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle
 from rota.model.plan import Charge, Plan, Trajectory
 
 PAD = Charger(name="pad", at=(5, 5))
@@ -46,11 +46,6 @@ WALL = Obstacle(shape=MultiPolygon([box(10, 10, 20, 20)]))
         ),
         ((PAD,), {"battery": BatteryLimits(endurance_s=9)}, "fleet.recharge_s: is missing; charger 'pad' swaps no"),
         ((PAD,), {"turn_rate_rad_s": 1}, "fleet.turn_rate_rad_s: robots that charge turn and change their speed at"),
-        (
-            (PAD,),
-            {"robots": [Robot(name="a"), Robot(name="b", speed_m_s=2)]},
-            r"fleet.robots\[1\].speed_m_s: robots that relieve each other are alike: give it for the fleet",
-        ),
         ((PAD,), {"planning": SwarmSettings()}, "fleet.endurance_s: the swarm planner plans no charging"),
         ((PAD,), {"planning": BounceSettings(cell_m=1)}, "fleet.endurance_s: the bounce planner plans no charging"),
     ],

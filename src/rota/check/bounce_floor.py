@@ -46,7 +46,7 @@ class Floor:
         shapely.prepare([self._ground, self._wider_ground])
         walls = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
         self._walls = shapely.STRtree(walls)
-        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        robots = mission.fleet.unlike_robots
         self._body_m = max(robot.body_radius_m for robot in robots)
 
     def centres_m(self, cells: Ints) -> Floats:

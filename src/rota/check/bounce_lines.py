@@ -28,7 +28,7 @@ class Walls:
         self._ground: Any = shapely.difference(mission.area, blocked)
         shapely.prepare(self._ground)
         self._tree = shapely.STRtree(lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)])))
-        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        robots = mission.fleet.unlike_robots
         self._body_m = max(robot.body_radius_m for robot in robots)
 
     def clear_m(self, place_m: Floats) -> float:

@@ -19,12 +19,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DemandedGround:
-    """One demand: every point of ``region`` (or, with "visit", the region as one) once in every ``period_s``."""
+    """One demand: every point of ``region`` (or, with "visit", the region as one) once in every ``period_s``.
+
+    sensors: names of those that count; none: all do.
+    """
 
     name: str
     period_s: float
     demand: Demand
     region: Any
+    sensors: tuple[str, ...] = ()
 
 
 @functools.lru_cache(maxsize=4)
@@ -49,7 +53,11 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
         if zone.period_s is not None:
             region = regions.get(zone.name)
             region = _polygonal(intersection(zone.shape, mission.area)) if region is None else region
-            demands.append(DemandedGround(name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region))
+            demands.append(
+                DemandedGround(
+                    name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region, sensors=zone.sensors
+                )
+            )
     if mission.period_s is not None:
         rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in mission.zones])))
         if not rest.is_empty or not demands:

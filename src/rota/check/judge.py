@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from rota.check.bouncing import bounce_violations
 from rota.check.charging import charging_violations
 from rota.check.clocks import clock_margin_s, clock_violations
+from rota.check.counting import claim_violations, counting_robots, kind_violations
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
@@ -29,7 +31,7 @@ from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.seams import seam_violations
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
-from rota.check.tiled_ground import FINEST_M, tile_and_refine
+from rota.check.tiled_ground import FINEST_M, findings_by_group
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.model.mission import Mission, StartBox, StartPoints
@@ -76,13 +78,13 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
     demands = demands_of(mission)
     with ThreadPoolExecutor(max_workers=1) as pool:
         driven = pool.submit(_violations_on_the_way, plan)
-        sights = sights_of(plan, mission.area.bounds)
-        findings = tile_and_refine(mission, demands, sights, finest_m, on_the_way)
+        sights_by = functools.cache(lambda names: sights_of(counting_robots(plan, names), mission.area.bounds))
+        findings = findings_by_group(mission, demands, sights_by, finest_m, on_the_way)
     excluded_violation = too_much_excluded(mission, demands, findings)
     verdicts = Verdicts()
     for k, demand in enumerate(demands):
         if demand.demand == "visit":
-            judge_visits(verdicts, k, demand, sights, mission)
+            judge_visits(verdicts, k, demand, sights_by(demand.sensors), mission)
         else:
             judge_points(verdicts, k, demand, findings[k], bool(excluded_violation))
     violations = verdicts.violations + excluded_violation + driven.result()
@@ -95,11 +97,8 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
     if violations or "violated" in outcomes:
         verdict = "violated"
     bound, robots = plan.lower_bound_robots, len(plan.trajectories)
-    if verdict == "met" and bound is not None and bound > robots:
-        # the plan itself is the proof
-        violations.append(
-            violation("claims that fewer robots cannot do", "lower bound", None, 0.0, bound, robots, "robots")
-        )
+    if verdict == "met" and (false := claim_violations(plan)):  # the plan itself is the proof
+        violations += false
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
     report = Report(
@@ -196,7 +195,8 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
     gap, begin = loop_gap(routes, inside, sights.window_s)
     met = gap <= demand.period_s * (1 + PERIOD_TOLERANCE)
     if not met:
-        reachable = shapely.intersection(demand.region, shapely.union_all([g.shape for g in standing_areas(mission)]))
+        standing = shapely.union_all([area.shape for area in standing_areas(mission, demand.sensors)])
+        reachable = shapely.intersection(demand.region, standing)
         place = shapely.point_on_surface(demand.region if reachable.is_empty else reachable)
         verdicts.violations.append(
             Violation(
@@ -261,7 +261,7 @@ def _late_violations(plan: Plan) -> list[Violation]:
 
 def _fleet_violations(plan: Plan) -> list[Violation]:
     """Robots of a fixed fleet that have no trajectory, or begin away from their start."""
-    violations = _common_start_violations(plan)
+    violations = _common_start_violations(plan) + kind_violations(plan)
     trajectories = {trajectory.robot: trajectory for trajectory in plan}
     for robot in plan.mission.fleet.robots or ():
         trajectory = trajectories.get(robot.name)

@@ -111,7 +111,7 @@ class _Looked:
     def __init__(self, plan: Plan, *, in_time: bool = True) -> None:
         self.plan, self.routes = plan, seeing_routes(undocked_routes(routes_of(plan), plan), plan)
         self.reaches_m, self.squares = sensors_of(plan)
-        self.demands = [each for each in demands_of(plan.mission) if each.demand == "every_point"]
+        self.demands = [each for each in demands_of(plan.mission) if each.demand == "every_point" and not each.sensors]
         points = [_points_m(each, sum(other.region.area for other in self.demands)) for each in self.demands]
         self.points_m = np.ascontiguousarray(np.vstack([np.empty((0, 2)), *points]))
         self.owners = np.repeat(np.arange(len(points)), [len(each) for each in points])

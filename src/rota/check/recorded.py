@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.counting import Names, counts
 from rota.check.demands import demands_of
 from rota.check.judge import Verdicts, judge_points, judge_visits, too_much_excluded
 from rota.check.report import Outcome, Report
-from rota.check.revisits import sights_along
+from rota.check.revisits import Sights, sights_along
 from rota.check.routes import Routes, routes_driven
-from rota.check.tiled_ground import tile_and_refine
+from rota.check.tiled_ground import findings_by_group
 from rota.errors import PlanError
 from rota.model.mission import DiscSensor, Mission
 
@@ -59,8 +61,14 @@ def check_recording(
     if not to_s > from_s:
         raise PlanError(f"the recording lasts from {from_s:.6g} s to {to_s:.6g} s: there is nothing to judge")
     demands = demands_of(mission)
-    sights = sights_along(*_drive(mission, tracks, tolerance_m), mission, mission.area.bounds, window_s)
-    findings = tile_and_refine(mission, demands, sights, finest_m)
+
+    @functools.cache
+    def sights_by(names: Names) -> Sights:
+        """What the robots see that count for demands that name these sensors."""
+        own = [track for track in tracks if counts(mission.fleet.robot(track.robot).sensor, names)]
+        return sights_along(*_drive(mission, own, tolerance_m), mission, mission.area.bounds, window_s)
+
+    findings = findings_by_group(mission, demands, sights_by, finest_m)
     excluded = too_much_excluded(mission, demands, findings)
     verdicts, not_judged = Verdicts(), []
     for found, demand in zip(findings, demands, strict=True):
@@ -69,7 +77,7 @@ def check_recording(
             lasted = f"longer than what was recorded, {to_s - from_s:.1f} s"
             not_judged.append(f"{demand.name}: its period, {demand.period_s:g} s, is {lasted}")
         elif demand.demand == "visit":
-            judge_visits(verdicts, number, demand, sights, mission)
+            judge_visits(verdicts, number, demand, sights_by(demand.sensors), mission)
         else:
             judge_points(verdicts, number, demand, found, bool(excluded))
     outcomes = {demand.outcome for demand in verdicts.demands}

@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import contains_xy, prepare
+from shapely import contains_xy, intersects_xy, prepare
 
 from rota.check import gap_kernels, kernels, lateness_kernels, passing_kernels, tiling_kernels, window_kernels
 from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
 from rota.check.blocking import blocks_sight
 from rota.check.charging import undocked_routes
+from rota.check.counting import counting_robots
+from rota.check.demands import demands_of
 from rota.check.pieces import Pieces, point_pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
@@ -243,8 +245,19 @@ def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
 def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:
     """Worst revisit gap (n,) in seconds at each of ``points_m`` (n, 2), from the latest loop start on; inf: never seen.
 
-    A point inside an obstacle that blocks sight is never seen. A plan without robots sees nothing.
+    A point inside an obstacle that blocks sight is never seen. A plan without robots sees nothing. In zones that name
+    the sensors that count only these see anything.
     """
+    gaps_s = _gaps_at(plan, points_m)
+    for demand in demands_of(plan.mission):
+        if demand.sensors and demand.demand == "every_point":
+            inside = np.flatnonzero(intersects_xy(demand.region, *points_m.T))
+            gaps_s[inside] = _gaps_at(counting_robots(plan, demand.sensors), points_m[inside])
+    return gaps_s
+
+
+def _gaps_at(plan: Plan, points_m: Floats) -> Floats:
+    """The same, whatever sensors robots have."""
     points = point_pieces(points_m)
     if not len(points):
         return np.empty(0)

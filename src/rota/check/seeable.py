@@ -34,9 +34,9 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats)
     return _ground(mission.obstacles, areas, slack_of(mission)).sees(point_pieces(points_m))
 
 
-def seeable_ground(mission: Mission) -> SeeableGround:
-    """What can be seen of the mission's ground, to be asked again and again; see ``seeable``."""
-    return _ground(mission.obstacles, standing_areas(mission), slack_of(mission))
+def seeable_ground(mission: Mission, names: tuple[str, ...] = ()) -> SeeableGround:
+    """What can be seen of the mission's ground, to be asked again and again; names: by which sensors, if not all."""
+    return _ground(mission.obstacles, standing_areas(mission, names), slack_of(mission))
 
 
 @functools.lru_cache(maxsize=4)

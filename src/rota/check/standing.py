@@ -86,14 +86,15 @@ def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
     yield from _tiles((x, y0, x1, y1) if wide else (x0, y, x1, y1), sides[inside])
 
 
-def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
-    """One area for each kind of robot (body and sensor) that the fleet has.
+def standing_areas(mission: Mission, names: tuple[str, ...] = ()) -> tuple[StandingArea, ...]:
+    """One area for each kind of robot (body and sensor) that the fleet has; names: of the sensors that count, if any.
 
     With entrances it holds only where a body can be driven to from one of them with clearance: as if it were larger by
     a thousandth of its radius. No robot drives through a gap just as wide as itself, nor looks along a wall that it
     touches to a micrometre.
     """
-    return _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
+    every = _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
+    return tuple(area for area in every if not names or area.sensor.name in names)
 
 
 def standing_area_of(mission: Mission, robot: Robot) -> StandingArea:
@@ -103,7 +104,7 @@ def standing_area_of(mission: Mission, robot: Robot) -> StandingArea:
 
 def _kinds(fleet: Fleet) -> tuple[tuple[float, Sensor], ...]:
     """Body radius and sensor of each kind of robot that the fleet has, in the order of its robots."""
-    robots = (fleet.equal_robot("any"),) if fleet.robots is None else fleet.robots
+    robots = fleet.unlike_robots
     return tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
 
 

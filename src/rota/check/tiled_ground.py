@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.counting import Names, groups_of
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
 from rota.check.pieces import Pieces, convex_pieces, join
@@ -46,22 +47,46 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
     seeable_ground(mission).get_ready()
 
 
+def findings_by_group(
+    mission: Mission,
+    demands: tuple[DemandedGround, ...],
+    sights_by: Callable[[Names], Sights],
+    finest_m: float,
+    on_the_way: Callable[[], None] | None = None,
+) -> list[Findings]:
+    """``tile_and_refine`` with the sights of the robots that count for each demand; sights_by: by names of sensors."""
+    groups, found = groups_of(demands), dict[int, Findings]()
+    if len(groups) == 1:
+        return tile_and_refine(mission, demands, sights_by(groups[0][0]), finest_m, on_the_way)
+    for names, own in groups:
+        every = tile_and_refine(mission, demands, sights_by(names), finest_m, on_the_way, names)
+        found |= {k: every[k] for k in own}
+    return [found[k] for k in range(len(demands))]
+
+
 def tile_and_refine(
     mission: Mission,
     demands: tuple[DemandedGround, ...],
     sights: Sights,
     finest_m: float,
     on_the_way: Callable[[], None] | None = None,
+    names: Names | None = None,
 ) -> list[Findings]:
     """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined.
 
-    on_the_way: called now and then; what it raises ends it.
+    on_the_way: called now and then; what it raises ends it. names: of demands that name these sensors alone; those of
+    the others say nothing.
     """
     reach_m = float(sights.team.reaches_m.min(initial=math.inf))
     pieces, owners, size = _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    unfilled = _unfilled_demands(mission, demands, pieces, owners)
+    if names is not None:
+        asked = np.flatnonzero(np.array([demand.sensors == names for demand in demands])[owners])
+        pieces, owners = pieces.choose(asked), owners[asked]
     limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
 
-    regions, ground = [demand.region for demand in demands], seeable_ground(mission)
+    regions, counting = [demand.region for demand in demands], demands[0].sensors if names is None else names
+    ground = seeable_ground(mission, counting)
     shapely.prepare(regions)
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
@@ -82,7 +107,7 @@ def tile_and_refine(
     findings = refine(
         sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few, on_the_way=on_the_way
     )
-    for k in _unfilled_demands(mission, demands, pieces, owners):
+    for k in unfilled:
         findings[k].undecided_cells += 1
     return findings
 

@@ -26,4 +26,4 @@ def plan_for_mission(plan: Plan, mission: Path) -> Plan:
     if not told:
         return replace(plan, mission=read.mission)
     say(f"the plan was made for another mission than {mission}: {'; '.join(told)}")
-    return replace(plan, mission=read.mission, lower_bound_robots=None, lower_bound_reason=None)
+    return replace(plan.without_bound(), mission=read.mission)

@@ -44,7 +44,7 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     """
     mission = plan.mission
     draw_mission(mission, ax)
-    radius_m = max(robot.body_radius_m for robot in mission.fleet.robots or (mission.fleet.equal_robot("r"),))
+    radius_m = max(robot.body_radius_m for robot in mission.fleet.unlike_robots)
     walls = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     ground = mission.area.difference(walls)
     rim = ground.difference(ground.buffer(-radius_m))

@@ -22,6 +22,7 @@ from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
+from rota.planning.plan_summary import cost_in_words
 from rota.routes.flights import takes_turns
 
 FORMATS = (".png", ".svg", ".pdf")
@@ -35,7 +36,9 @@ def _header(plan: Plan) -> str:
     """Robots, bound and the period outside zones."""
     count = len(plan.trajectories)
     words = [f"{count} robot{'' if count == 1 else 's'}"]
-    if plan.lower_bound_robots is not None:
+    if plan.mission.fleet.kinds:
+        words.append(cost_in_words(plan))
+    elif plan.lower_bound_robots is not None:
         words.append(f"lower bound {plan.lower_bound_robots}")
     mission = plan.mission
     if (rules := mission.planning.bouncing) is not None:

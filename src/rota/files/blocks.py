@@ -106,7 +106,8 @@ def _tagged_block(kinds: Iterable[Field], form: Form) -> Block:
     key = next(kind.tag[0] for kind in named.values())
     own = {name: fields_in(kind, form) for name, kind in named.items()}
     needed = {name: [item.name for item in items if item.needed] for name, items in own.items()}
-    foreign = {name: [item.name for other in own if other != name for item in own[other]] for name in own}
+    each = {item.name: item for items in own.values() for item in items}
+    foreign = {name: [other for other in each if other not in {item.name for item in own[name]}] for name in own}
 
     def rules(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         """What one of them lacks, and what belongs to another."""
@@ -129,7 +130,7 @@ def _tagged_block(kinds: Iterable[Field], form: Form) -> Block:
         return kind(**{name: value for name, value in values.items() if value is not None})
 
     tag = Field(name=key, kind="option", options=tuple(named), needed=True)
-    free = [replace(item, needed=False, optional=True, default=None) for items in own.values() for item in items]
+    free = [replace(item, needed=False, optional=True, default=None) for item in each.values()]
     return Block(
         name="sensor",
         meaning="What a robot sees round itself.",

@@ -26,7 +26,7 @@ def entrances_on_map(
     Where no body fits at ``inside``, robots come in at the nearest place with room in the largest part of the ground.
     None where bodies have room nowhere: then there is nothing to come in to.
     """
-    body_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
+    body_m = max(robot.body_radius_m for robot in fleet.unlike_robots)
     fits = entrance_fault(inside, body_m, area, blocking) is None
     starts = list(_starts(fleet, area))
     if fits and not starts:

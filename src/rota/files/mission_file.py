@@ -124,7 +124,7 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
 def _blind(mission: Mission) -> list[Fault]:
     """A warning of sensors that reach no farther than the bodies that carry them."""
     fleet = mission.fleet
-    robots = fleet.robots if fleet.robots is not None else (fleet.equal_robot("robot-1"),)
+    robots = fleet.unlike_robots
     blind = [robot for robot in robots if inner_reach_m(robot.sensor) <= robot.body_radius_m]
     if not blind:
         return []

@@ -11,7 +11,7 @@ from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
 from rota.model.battery_limits import BATTERY_FIELDS, battery_faults
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
-from rota.model.fleet import TURNS_ONE_WAY, Abilities, Fleet, Robot
+from rota.model.fleet import KINDS_NEED_FEWEST, NO_POINTS_FOR_KINDS, TURNS_ONE_WAY, Abilities, Fleet, Kind, Robot
 from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
 from rota.model.refusals import show_value
 from rota.vehicles.facts import Vehicle
@@ -51,8 +51,14 @@ def fleet_of(block: Values) -> Fleet:
     common = _driving(block, FLEET, None)
     robots: Any = block.get("robots", "fewest")
     if isinstance(robots, tuple):
-        robots = [make(Robot, **_without_places(robot), **_driving(robot, FLEET, common).values) for robot in robots]
-    return make(Fleet, **{**_without_places(block), "robots": robots}, **common.values)
+        robots = [_able(Robot, robot, common) for robot in robots]
+    kinds = [_able(Kind, kind, common) for kind in block.get("kinds", ())]
+    return make(Fleet, **{**_without_places(block), "robots": robots, "kinds": kinds}, **common.values)
+
+
+def _able(made: type[Any], block: Values, common: Driving) -> Any:
+    """A listed robot or a kind, with what it has from its fleet."""
+    return make(made, **_without_places(block), **_driving(block, FLEET, common).values)
 
 
 def _without_places(block: Values) -> Values:
@@ -125,17 +131,29 @@ def _each(block: Values) -> Iterator[Driving]:
     """How the fleet drives, and each of its listed robots."""
     common = _driving(block, FLEET, None)
     yield common
-    for k, robot in enumerate(listed_robots(block)):
-        yield _driving(robot, (*FLEET, "robots", k), common)
+    for key, listed in _lists(block):
+        for k, one in enumerate(listed):
+            yield _driving(one, (*FLEET, key, k), common)
+
+
+def _lists(block: Values) -> tuple[tuple[str, tuple[Values, ...]], ...]:
+    """What a fleet's block lists one by one: robots, and kinds of them."""
+    return ("robots", listed_robots(block)), ("kinds", block.get("kinds", ()))
 
 
 def _name_faults(block: Values) -> Iterator[Fault]:
-    names = [robot["name"] for robot in listed_robots(block)]
-    first = {name: k for k, name in reversed(list(enumerate(names)))}
-    for k, name in enumerate(names):
-        if first[name] < k:
-            message = f"{name!r} is the name of another robot; names must be unique"
-            yield Fault((*FLEET, "robots", k, "name"), message)
+    """Names given twice, and kinds beside a number of robots or points to start at."""
+    for key, listed in _lists(block):
+        names = [one["name"] for one in listed]
+        first = {name: k for k, name in reversed(list(enumerate(names)))}
+        for k, name in enumerate(names):
+            if first[name] < k:
+                message = f"{name!r} is the name of another {key[:-1]}; names must be unique"
+                yield Fault((*FLEET, key, k, "name"), message)
+    if block.get("kinds") and block.get("robots", "fewest") != "fewest":
+        yield Fault((*FLEET, "robots"), f"given beside kinds; {KINDS_NEED_FEWEST}")
+    if block.get("kinds") and getattr(block.get("start"), "points", None):
+        yield Fault((*FLEET, "start"), NO_POINTS_FOR_KINDS)
 
 
 def _driving_faults(driving: Driving) -> Iterator[Fault]:

@@ -31,7 +31,7 @@ from rota.files.shape_schema import (
     shape_faults,
 )
 from rota.model.fields import REQUIRED, Field, field_of, fields_of, flat_fields_of
-from rota.model.fleet import ROBOTS_NEEDED, Abilities, Fleet, Robot, Start
+from rota.model.fleet import ROBOTS_NEEDED, Abilities, Fleet, Kind, Robot, Start
 from rota.model.importance import IMPORTANCE, ImportanceMap
 from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refusals
 from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
@@ -227,6 +227,7 @@ def _blocks() -> dict[Any, Block | Field]:
     obstacle = placed_block(Obstacle, field_in(forms["name"], "mission"), rules=shape_faults, says=one_of(SOURCES))
     known[Obstacle] = field_in(forms["obstacle"], "mission", {Obstacle: obstacle})
     known[Robot] = driving_block(Robot, rules=robot_faults)
+    known[Kind] = driving_block(Kind)
     known["robots"] = field_in(forms["robots"], "mission", known)
     with_speed = [
         {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},

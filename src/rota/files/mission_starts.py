@@ -25,6 +25,7 @@ from rota.model.mission import (
     StartPoints,
     charger_faults,
     corner_faults,
+    sensor_faults,
     start_faults,
 )
 from rota.model.planner_registry import DEFAULT
@@ -66,10 +67,12 @@ def fleet_at_its_starts(fleet: Fleet, file: Values, ground: Ground) -> tuple[Fle
         ground.area, _blocking(ground), placed
     )
     faults += charger_faults(ground.area, _blocking(ground), placed, chargers_of(file, ground))
+    faults += sensor_faults(ground.zones, placed)
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
         where |= {f"fleet.rally_points[{k}]": (*RALLY_POINTS, k) for k in range(len(placed.rally_points))}
         where |= _corner_places(block) | {"chargers": ("chargers",), "fleet.recharge_s": ("fleet", "recharge_s")}
+        where |= {f"zones[{k}].sensors": ("zones", k, "sensors") for k in range(len(ground.zones))}
         for k in range(len(file.get("chargers", ()))):
             where |= {f"chargers[{k}].{name}": ("chargers", k, name) for name in ("name", "at")}
         return fleet, [

@@ -17,7 +17,7 @@ from rota.files.mission_text import mission_text
 from rota.files.rings import open_ring, wkt_of
 from rota.files.yaml_text import parse_text
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
-from rota.model.fleet import Fleet, Robot
+from rota.model.fleet import Abilities, Fleet, Kind, Robot
 from rota.model.mission import Mission, Obstacle, Zone
 from rota.model.planner_settings import Settings
 from rota.vehicles.presets import NONE
@@ -74,12 +74,14 @@ def _settings(block: Settings) -> Json:
 
 def _fleet(fleet: Fleet) -> Json:
     """A fleet: a number of equal robots, or what differs of each; all that a vehicle would preset is said."""
-    told = _unlike_default(fleet, "robots")
+    told = _unlike_default(fleet, "robots", "kinds")
     robots = fleet.robots or ()
     if robots == tuple(fleet.equal_robot(f"robot-{k + 1}") for k in range(len(robots))):
         listed: Any = len(robots) or "fewest"
     else:
-        listed = [_robot(robot, fleet) for robot in robots]
+        listed = [_able(robot, fleet) for robot in robots]
+    if fleet.kinds:
+        told["kinds"] = [_able(kind, fleet) for kind in fleet.kinds]
     usual = {item.name: None if item.default is REQUIRED else item.default for item in flat_fields_of(Fleet)}
     driving = _driving(fleet)
     if fleet.motion.vehicle is None:
@@ -87,8 +89,8 @@ def _fleet(fleet: Fleet) -> Json:
     return {"robots": listed, **driving, **told}
 
 
-def _robot(robot: Robot, fleet: Fleet) -> Json:
-    """A robot: its name, what else it alone has, and what it can do unlike the fleet."""
+def _able(robot: Robot | Kind, fleet: Fleet) -> Json:
+    """A robot or a kind: its name, what else it alone has, and what it can do unlike the fleet."""
     told = _unlike_default(robot)
     own, common = _driving(robot), _driving(fleet)
     if own["vehicle"] != common["vehicle"]:
@@ -96,8 +98,8 @@ def _robot(robot: Robot, fleet: Fleet) -> Json:
     return {**told, **{name: value for name, value in own.items() if value != common[name]}}
 
 
-def _driving(block: Fleet | Robot) -> Json:
-    """All that a fleet or a robot can do, also where that is no limit."""
+def _driving(block: Abilities) -> Json:
+    """All that a fleet, a kind or a robot can do, also where that is no limit."""
     written, able = block_to_json(block), {**vars(block), **vars(block.motion), **vars(block.battery)}
     return {name: written.get(name, able[name]) for name in DRIVING}
 

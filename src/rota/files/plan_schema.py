@@ -14,7 +14,7 @@ from rota.files.blocks import Block, block_of, field_in, fields_in, make
 from rota.files.json_schema import file_schema
 from rota.files.mission_schema import row_faults, start_faults
 from rota.model.fields import Field, field_of, fields_of
-from rota.model.fleet import Fleet, Place, Robot, Start, StartBox, StartPoints
+from rota.model.fleet import Fleet, Kind, Place, Robot, Start, StartBox, StartPoints
 from rota.model.importance import ImportanceMap
 from rota.model.mission import Charger, GeoPoint, Lane, Mission, MovingObstacle, Obstacle, Zone
 from rota.model.plan import Driven, Plan, RunEnd, Seam
@@ -126,7 +126,8 @@ def _known_blocks() -> dict[Any, Block | Field]:
     }  # fmt: skip
     for kind, makes in (
         (GeoPoint, GeoPoint), (Lane, Lane), (Charger, Charger), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd),
-        (Obstacle, Obstacle), (Zone, Zone), (Robot, partial(make, Robot)), (Fleet, _fleet),
+        (Obstacle, Obstacle), (Zone, Zone), (Robot, partial(make, Robot)),
+        (Kind, partial(make, Kind)), (Fleet, _fleet),
         (Driven, partial(make, Driven)), (Seam, Seam),
     ):  # fmt: skip
         known[kind] = block_of(kind, "plan", known, makes=makes)

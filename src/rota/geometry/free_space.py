@@ -36,12 +36,16 @@ def free_ground(mission: Mission) -> MultiPolygon:
 
 @dataclass(frozen=True, kw_only=True)
 class DemandedRegion:
-    """Ground that must be seen (or, with demand "visit", entered) in every window of ``period_s`` seconds."""
+    """Ground that must be seen (or, with demand "visit", entered) in every window of ``period_s`` seconds.
+
+    sensors: names of those that count; none: all do.
+    """
 
     name: str
     period_s: float
     demand: Demand
     shape: MultiPolygon
+    sensors: tuple[str, ...] = ()
 
 
 def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int = _ARC_CORNERS) -> MultiPolygon:
@@ -142,7 +146,9 @@ def _regions_of_demand(
         if zone.demand == "visit":
             shapes[zone.name] = _polygons(zone.shape.intersection(area))
     regions = [
-        DemandedRegion(name=zone.name, period_s=zone.period_s, demand=zone.demand, shape=shapes[zone.name])
+        DemandedRegion(
+            name=zone.name, period_s=zone.period_s, demand=zone.demand, shape=shapes[zone.name], sensors=zone.sensors
+        )
         for zone in zones
         if zone.period_s is not None
     ]

@@ -39,7 +39,7 @@ class Ages:
         self.last_seen_s = np.zeros(count)
         self.worst_s, self.worst_place = _none_yet(len(places.demands))
         self._first_s, self._last_s = np.full(count, np.inf), np.full(count, -np.inf)
-        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        robots = mission.fleet.unlike_robots
         self._points_m = np.ascontiguousarray(places.points_m[: places.points])
         self._grid, self._near = sort_in_bins(self._points_m, max(inner_reach_m(robot.sensor) for robot in robots))
         self._walls = edge_grid(sight_walls(mission))

@@ -17,6 +17,7 @@ from rota.check.demands import DemandedGround, demands_of
 from rota.check.seeable import seeable
 from rota.check.standing import standing_areas
 from rota.model.mission import Mission, inner_reach_m
+from rota.model.sensor_faults import require_all_count
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -61,9 +62,10 @@ def places_of(mission: Mission, most: int = MOST_PLACES) -> Places:
     in a small region, which has some 36 at least, and farther apart only where there would be more than ``most``.
     Each polygon of a region has one at least. What nobody can see from where a body can stand is left out.
     """
+    require_all_count(mission.zones, "robots that are watched live")
     demands = tuple(demand for demand in demands_of(mission) if not demand.region.is_empty)
     fleet = mission.fleet
-    robots = fleet.robots or (fleet.equal_robot("any"),)
+    robots = fleet.unlike_robots
     step_m = min(inner_reach_m(robot.sensor) for robot in robots) / PLACES_PER_REACH
     asked_m2 = sum(demand.region.area for demand in demands if demand.demand == "every_point")
     step_m = max(step_m, math.sqrt(asked_m2 / most))

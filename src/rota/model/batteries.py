@@ -50,7 +50,7 @@ def charger_faults(
     area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fleet, chargers: Sequence[Charger]
 ) -> Iterator[tuple[str, str]]:
     """What is wrong with chargers, and with batteries that need some: the field at fault and a message."""
-    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    robots = fleet.unlike_robots
     widest_m = max(robot.body_radius_m for robot in robots)
     counted = Counter(charger.name for charger in chargers)
     for k, charger in enumerate(chargers):

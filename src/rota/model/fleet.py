@@ -1,14 +1,13 @@
-"""Robots, what they see with, and the fleet that they make up. SI units, frozen."""
+"""Robots, kinds of them, and the fleet that they make up. SI units, frozen."""
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar
 
 from rota.errors import MissionError
 from rota.model.battery_limits import ENDLESS, BatteryLimits
@@ -17,79 +16,20 @@ from rota.model.fields import AS_FLEET, REQUIRED, field_of
 from rota.model.limits import COORDINATE, LARGEST_M, LENGTH, LENGTH_OR_ZERO, LONGEST_S, MOMENT, RATE
 from rota.model.motion_limits import AT_ONCE, MotionLimits, driving_faults
 from rota.model.refusals import require, require_text
-
-Place = tuple[float, float]
+from rota.model.sensors import (
+    DiscSensor as DiscSensor,
+    Sensor as Sensor,
+    SquareSensor as SquareSensor,
+    inner_reach_m as inner_reach_m,
+)
+from rota.model.starts import Place as Place, Start as Start, StartBox as StartBox, StartPoints as StartPoints
 
 TURNS_ONE_WAY = "must be 0 where turn_rate_rad_s is given: a robot turns on the spot or on arcs"
 ROBOTS_NEEDED = "fewest, a whole number or a list of {name, ...} is needed"
+KINDS_NEED_FEWEST = "leave it out: kinds are for the cheapest fleet of as many robots as are needed"
+NO_POINTS_FOR_KINDS = "points are for equal robots; give a box, or leave it out"
+MOST_COST, MOST_OF_KIND = 1e12, 100_000
 COORDINATES = f"coordinates must be within {LARGEST_M:g} m of 0"
-
-
-@dataclass(frozen=True, kw_only=True)
-class DiscSensor:
-    """Sees everything within ``radius_m`` that no obstacle hides.
-
-    ``half_angle_deg``: a cone that looks straight down, for robots in a band of altitudes. From a height it has the
-    ground in range that lies within height * tan(half angle), and never more than ``radius_m``. None: at any height
-    all within ``radius_m``.
-    """
-
-    tag: ClassVar[tuple[str, str]] = ("shape", "disc")
-    radius_m: float = field_of(meaning="how far it sees", above=0, most=LARGEST_M, written=LENGTH)
-    half_angle_deg: float | None = field_of(
-        None,
-        "of a swarm with altitudes_m: the disc grows with height, height x tan, up to radius_m",
-        above=0,
-        below=90,
-        newer=True,
-        spared=True,
-    )
-
-    def __post_init__(self) -> None:
-        check_fields(self, "sensor.")
-
-    def radius_at_m(self, height_m: float) -> float:
-        """Radius in metres of the disc on the ground that is in range from a height in metres."""
-        if self.half_angle_deg is None:
-            return self.radius_m
-        return min(self.radius_m, max(height_m, 0.0) * math.tan(math.radians(self.half_angle_deg)))
-
-    @property
-    def full_height_m(self) -> float:
-        """Height in metres from which on its footprint grows no more; -inf where it never does."""
-        if self.half_angle_deg is None:
-            return -math.inf
-        return self.radius_m / math.tan(math.radians(self.half_angle_deg))
-
-    @property
-    def reach_m(self) -> float:
-        """Farthest distance at which anything can be seen."""
-        return self.radius_m
-
-
-@dataclass(frozen=True, kw_only=True)
-class SquareSensor:
-    """Sees a square of ``side_m`` by ``side_m`` round the robot, along the axes of the plane whatever the heading."""
-
-    tag: ClassVar[tuple[str, str]] = ("shape", "square")
-    side_m: float = field_of(meaning="from border to border", above=0, most=LARGEST_M, written=LENGTH)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "sensor.")
-        require(self.side_m / 2 > 0, "sensor.side_m", self.side_m, "half of it must be greater than 0, too")
-
-    @property
-    def reach_m(self) -> float:
-        """Farthest distance at which anything can be seen: half the diagonal."""
-        return self.side_m / math.sqrt(2)
-
-
-Sensor = DiscSensor | SquareSensor
-
-
-def inner_reach_m(sensor: Sensor) -> float:
-    """How far a sensor sees in every direction: a disc's radius, half a square's side."""
-    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,8 +117,7 @@ class Robot(Abilities, as_fleet=True):
 
     def of(self, fleet: Abilities) -> Robot:
         """The robot with its fleet's values for all that it does not say."""
-        said = {name: getattr(fleet, name) for name in ABILITIES if getattr(self, name) is AS_FLEET}
-        return replace(self, **said) if said else self
+        return _with_values_of(fleet, self)
 
     @property
     def ground_speed_m_s(self) -> float:
@@ -198,47 +137,39 @@ class Robot(Abilities, as_fleet=True):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StartBox:
-    """Robots start anywhere in the box between two opposite corners, (x, y) in metres; it may have no width."""
+class Kind(Abilities, as_fleet=True):
+    """Robots that one may have more or fewer of, at a cost each; what it is not given it has from its fleet.
 
-    low_m: Place = field_of(least=-LARGEST_M, most=LARGEST_M)
-    high_m: Place = field_of(least=-LARGEST_M, most=LARGEST_M)
+    Its robots are called ``name``-1, ``name``-2, ...
+    """
 
-    def __post_init__(self) -> None:
-        check_fields(self, "fleet.start.box.")
-        (x0, y0), (x1, y1) = self.low_m, self.high_m
-        object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
-        object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
-
-    @property
-    def in_file(self) -> dict[str, Any]:
-        """The box as files have it."""
-        return {"box": [list(self.low_m), list(self.high_m)]}
-
-
-@dataclass(frozen=True, kw_only=True)
-class StartPoints:
-    """Robots start at these points, (x, y) in metres, one at each; the planner chooses who starts where."""
-
-    points_m: tuple[Place, ...] = field_of(least=-LARGEST_M, most=LARGEST_M, key="points")
+    first: ClassVar[tuple[str, ...]] = ("name",)
+    name: str = field_of(meaning="its robots are called so, with -1, -2, ... behind", count=((1, None),))
+    cost: float = field_of(meaning="of one robot, in any unit", above=0, most=MOST_COST)
+    most: int | None = field_of(None, "robots of it at most; null: as many as are needed", least=1, most=MOST_OF_KIND)
 
     def __post_init__(self) -> None:
-        check_fields(self, "fleet.start.")
+        check_fields(self, f"kind {self.name}: ")
+        require_text("kind.name", self.name)
 
+    def of(self, fleet: Abilities) -> Kind:
+        """The kind with its fleet's values for all that it does not say."""
+        return _with_values_of(fleet, self)
 
-@dataclass(frozen=True, kw_only=True)
-class Start:
-    """Where robots start in files: anywhere in a box, or at given points."""
-
-    box: tuple[Place, Place] | None = field_of(
-        None, "two opposite corners", least=-LARGEST_M, most=LARGEST_M, written=COORDINATE, newer=True
-    )
-    points: tuple[Place, ...] | None = field_of(
-        None, "one for each robot", least=-LARGEST_M, most=LARGEST_M, written=COORDINATE, newer=True
-    )
+    def robot(self, name: str) -> Robot:
+        """A robot of this kind and name."""
+        return Robot(name=name, **{ability: getattr(self, ability) for ability in ABILITIES})
 
 
 ABILITIES = tuple(item.name for item in dataclasses.fields(Abilities))
+Able = TypeVar("Able", Robot, Kind)
+
+
+def _with_values_of(fleet: Abilities, one: Able) -> Able:
+    """A robot or a kind with its fleet's values for all that it does not say."""
+    said = {name: getattr(fleet, name) for name in ABILITIES if getattr(one, name) is AS_FLEET}
+    return replace(one, **said) if said else one
+
 
 if TYPE_CHECKING:
 
@@ -255,6 +186,8 @@ else:
 class Fleet(Abilities):
     """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
 
+    With ``kinds`` it is the cheapest fleet of robots of these kinds, and ``robots`` is None.
+
     It may be given as "fewest", as a number of equal robots, called robot-1, robot-2, ..., or as a list of robots,
     which have from the fleet what they do not say. Names are unique. ``start``: where
     robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
@@ -269,6 +202,13 @@ class Fleet(Abilities):
         "fewest, a number of them, or a list with what differs",
         form=Literal["fewest"] | tuple[Robot, ...],
         null_word="fewest",
+    )
+    kinds: tuple[Kind, ...] = field_of(
+        (),
+        "of patrol: kinds of robots with what differs and what one costs; the cheapest fleet of them is planned",
+        count=((0, None),),
+        newer=True,
+        spared=True,
     )
     altitude_m: float = field_of(30.0, "for exports", above=0, most=LARGEST_M, written=LENGTH)
     start: StartBox | StartPoints | None = field_of(
@@ -309,26 +249,56 @@ class Fleet(Abilities):
         require(
             ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
         )
+        if self.kinds:
+            self._check_kinds()
         if self.robots is not None:
             object.__setattr__(self, "robots", tuple(robot.of(self) for robot in self.robots))
             counted = Counter(robot.name for robot in self.robots)
             for name, count in counted.items():
                 require(count == 1, "fleet.robots", name, "names must be unique")
 
+    def _check_kinds(self) -> None:
+        """Fill the kinds in. MissionError for kinds beside a number of robots or starts at points, and equal names."""
+        require(self.robots is None, "fleet.robots", self.robots and len(self.robots), KINDS_NEED_FEWEST)
+        require(not isinstance(self.start, StartPoints), "fleet.start", "points", NO_POINTS_FOR_KINDS)
+        object.__setattr__(self, "kinds", tuple(kind.of(self) for kind in self.kinds))
+        for name, count in Counter(kind.name for kind in self.kinds).items():
+            require(count == 1, "fleet.kinds", name, "names must be unique")
+        for kind in self.kinds:
+            kind.robot(f"{kind.name}-1")
+
     def equal_robot(self, name: str) -> Robot:
         """A robot of this name with the fleet's common values."""
         return Robot(name=name, **{ability: getattr(self, ability) for ability in ABILITIES})
 
+    @property
+    def unlike_robots(self) -> tuple[Robot, ...]:
+        """The robots that are listed; else one of each kind; else one of the equals."""
+        if self.kinds:
+            return tuple(kind.robot(f"{kind.name}-1") for kind in self.kinds)
+        return self.robots or (self.equal_robot("robot-1"),)
+
+    def kind_of(self, name: str) -> Kind:
+        """The kind of the robot of this name. Raises MissionError when there is none."""
+        own, _, number = name.rpartition("-")
+        found = next((kind for kind in self.kinds if kind.name == own and number.isdecimal() and int(number) > 0), None)
+        if found is None:
+            raise MissionError(f"robot {name!r} is of no kind: {', '.join(f'{k.name}-1, ...' for k in self.kinds)}")
+        return found
+
     def changing_speed_at_once(self) -> Fleet:
         """The same fleet without limits of motion."""
         robots = self.robots and tuple(replace(robot, motion=AT_ONCE) for robot in self.robots)
-        return replace(self, motion=AT_ONCE, robots=robots)
+        kinds = tuple(replace(kind, motion=AT_ONCE) for kind in self.kinds)
+        return replace(self, motion=AT_ONCE, robots=robots, kinds=kinds)
 
     def robot(self, name: str) -> Robot:
         """The robot of this name; in a fleet of as few as possible any name is one of the equals.
 
-        Raises MissionError when the fleet is a list and the name is not in it.
+        Raises MissionError when the fleet is a list and the name is not in it, or has kinds and it is of none.
         """
+        if self.kinds:
+            return self.kind_of(name).robot(name)
         if self.robots is None:
             return self.equal_robot(name)
         if name in self._by_name:

@@ -76,7 +76,7 @@ def lane_faults(
     """Lanes on which a body leaves the area or enters what blocks motion: the field at fault and a message."""
     if not lanes:
         return []
-    body_m = max(robot.body_radius_m for robot in fleet.robots or (fleet.equal_robot("robot-1"),))
+    body_m = max(robot.body_radius_m for robot in fleet.unlike_robots)
     ground, faults = _free(area, tuple(blocking)), []
     for k, lane in enumerate(lanes):
         line = LineString(lane.line_m)

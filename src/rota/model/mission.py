@@ -40,6 +40,7 @@ from rota.model.planner_settings import Bouncing as Bouncing, PlannerSettings as
 from rota.model.refusals import (
     Where,
     every_change_of_presence,
+    every_choice_of_robots,
     every_motion,
     fleet_blocks,
     inner,
@@ -47,6 +48,7 @@ from rota.model.refusals import (
     require,
     require_text,
 )
+from rota.model.sensor_faults import sensor_faults as sensor_faults
 from rota.model.start_faults import TOUCH_M as TOUCH_M, start_faults as start_faults
 
 Blocks = Literal["both", "motion", "sight"]
@@ -128,7 +130,8 @@ class Zone:
 
     ``demand`` "every_point": each point must be seen in every window of ``period_s``; "visit": a robot must be inside.
     ``importance``: what a square metre of it is worth to a swarm, and which zones come first in a patrol whose robots
-    are too few when it is replanned, in place of ``Mission.importance``; None: as there.
+    are too few when it is replanned, in place of ``Mission.importance``; None: as there. ``sensors``: only robots whose
+    sensor has one of these names count for the demand; none named: all do.
     """
 
     name: str = field_of(count=((1, None),))
@@ -144,6 +147,10 @@ class Zone:
         newer=True,
         spared=True,
     )
+    sensors: tuple[str, ...] = field_of(
+        (), "names of the sensors that count for its demand; absent: all do",
+        count=((0, None), (1, None)), newer=True, spared=True,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_fields(self, f"zone {self.name}: ")
@@ -240,6 +247,7 @@ class Mission:
         faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
         faults += lane_faults(self.area, blocking, self.fleet, self.lanes)
         faults += charger_faults(self.area, blocking, self.fleet, self.chargers)
+        faults += sensor_faults(self.zones, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         data = _as_file_has_it(self)
@@ -314,6 +322,8 @@ def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) ->
             yield from every_motion(data, BATTERY_FIELDS, f"the {kind.planner} planner plans no charging: remove it")
             if data.get("chargers"):
                 yield ("chargers",), f"the {kind.planner} planner has no use for chargers: remove them"
+        if not kind.heeds_kinds:
+            yield from every_choice_of_robots(data, f"the {kind.planner} planner has no use for it: remove it")
         if not kind.robots_come_and_go:
             yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
     if kind is None or inner(data, kind.planner, "altitudes_m") is None:

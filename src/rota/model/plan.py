@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -95,6 +95,8 @@ class Plan:
 
     ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
 
+    ``lower_bound_cost``: of a fleet of kinds, no cheaper one can do what is asked, proved; None: not known.
+
     ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told. ``run_end``: how the
     run of a swarm ended; None: not told, and for other planners. ``seam``: where the plan takes over from another one,
     and what was driven before; None: it does not.
@@ -107,6 +109,13 @@ class Plan:
     lower_bound_robots: int | None = field_of(None, least=0)
     lower_bound_reason: str | None = field_of(
         None, "why no plan has fewer robots; absent: not told", count=((1, None),), newer=True, spared=True
+    )
+    lower_bound_cost: float | None = field_of(
+        None,
+        "of a fleet of kinds: no cheaper one can do what is asked; absent: not told",
+        least=0,
+        newer=True,
+        spared=True,
     )
     run_end: RunEnd | None = field_of(
         None, "of a swarm: whether its robots were at rest; absent: not told", newer=True, spared=True
@@ -149,6 +158,10 @@ class Plan:
 
     def __iter__(self) -> Iterator[Trajectory]:
         return iter(self.trajectories)
+
+    def without_bound(self) -> Plan:
+        """The plan, which claims nothing of what others cannot do."""
+        return replace(self, lower_bound_robots=None, lower_bound_cost=None, lower_bound_reason=None)
 
     def __len__(self) -> int:
         return len(self.trajectories)

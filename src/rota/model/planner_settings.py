@@ -123,6 +123,7 @@ class PlannerSettings(Settings):
     ``planner``: its name. ``makes_runs``: robots move step by step in a run that can be stopped, kept and gone on with.
     ``heeds_moving_obstacles``: missions may have some. ``heeds_entrances``: fleets may have some.
     ``heeds_lanes``: missions may have some. ``heeds_batteries``: robots may have to charge.
+    ``heeds_kinds``: fleets may have kinds, and zones name the sensors that count.
     ``heeds_importance``: ground and zones may have one. ``heeds_motion``: robots may have limits of motion.
     ``robots_come_and_go``: robots may join and leave.
     ``altitudes_m``: robots move in space, each in a band of altitudes. ``bouncing``: robots move as they do that
@@ -135,6 +136,7 @@ class PlannerSettings(Settings):
     heeds_entrances: ClassVar[bool] = False
     heeds_lanes: ClassVar[bool] = False
     heeds_batteries: ClassVar[bool] = False
+    heeds_kinds: ClassVar[bool] = False
     heeds_importance: ClassVar[bool] = False
     heeds_motion: ClassVar[bool] = False
     robots_come_and_go: ClassVar[bool] = False

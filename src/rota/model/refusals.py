@@ -145,9 +145,11 @@ def robot_count(data: Mapping[str, Any]) -> int | None:
 
 
 def fleet_blocks(data: Mapping[str, Any]) -> list[tuple[Where, Any]]:
-    """The fleet's block and each listed robot's, with their places."""
-    robots: list[tuple[Where, Any]] = [(("fleet", "robots", k), robot) for k, robot in enumerate(listed_robots(data))]
-    return [(("fleet",), inner(data, "fleet")), *robots]
+    """The fleet's block, and those of each listed robot and each kind, with their places."""
+    listed: list[tuple[Where, Any]] = [(("fleet", "robots", k), robot) for k, robot in enumerate(listed_robots(data))]
+    kinds = inner(data, "fleet", "kinds")
+    listed += [(("fleet", "kinds", k), kind) for k, kind in enumerate(kinds if isinstance(kinds, list) else [])]
+    return [(("fleet",), inner(data, "fleet")), *listed]
 
 
 def every_period(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:
@@ -166,6 +168,16 @@ def every_change_of_presence(data: Mapping[str, Any], message: str) -> Iterator[
         for name in ("joins_s", "leaves_s"):
             if inner(robot, name):
                 yield ("fleet", "robots", k, name), message
+
+
+def every_choice_of_robots(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:
+    """The message for kinds of robots, and for each zone that names the sensors that count."""
+    if inner(data, "fleet", "kinds"):
+        yield ("fleet", "kinds"), message
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        if inner(zone, "sensors"):
+            yield ("zones", k, "sensors"), message
 
 
 def every_motion(data: Mapping[str, Any], names: Sequence[str], message: str) -> Iterator[tuple[Where, str]]:

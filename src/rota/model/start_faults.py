@@ -35,7 +35,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
         room = box(*fleet.start.low_m, *fleet.start.high_m).intersection(area)
         if room.is_empty or room.difference(union_all(blocking)).is_empty:
             faults.append(("fleet.start.box", "lies outside the area or in obstacles; must overlap the free space"))
-    widest_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
+    widest_m = max(robot.body_radius_m for robot in fleet.unlike_robots)
     for k, entrance in enumerate(fleet.entrances or ()):
         wrong = entrance_fault(entrance, widest_m, area, blocking)
         if wrong is not None:

@@ -7,8 +7,9 @@ from typing import Literal
 ViolationKind = Literal[
     # what is asked
     "gap", "unseeable", "holds too late", "claims that fewer robots cannot do",
+    "claims that a cheaper fleet cannot do",
     # the fleet
-    "no trajectory", "no start left", "start", "moves while away", "sees before it joins",
+    "no trajectory", "more robots than there are", "no start left", "start", "moves while away", "sees before it joins",
     "no way there from the entrances",
     # motion
     "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",

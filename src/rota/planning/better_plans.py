@@ -38,8 +38,7 @@ class BetterPlans:
         """Note a plan that was judged, in any thread; tells it if it is better. The tellings do not overlap."""
         from rota.check import check_plan
 
-        # robots that never charge are no answer where they must
-        if plan.mission.area != self._mission.area or plan.mission.chargers != self._mission.chargers:
+        if not self._is_for_all(plan.mission):
             return
         with self._lock:
             if plan.mission is not self._mission:
@@ -54,6 +53,13 @@ class BetterPlans:
                 self._state, self.best = state, (plan, report)
                 if self._tell is not None:
                     self._tell(plan, report)
+
+    def _is_for_all(self, mission: Mission) -> bool:
+        """Whether a mission that a planner tries asks for all ground, and of robots that charge and differ so."""
+        asked, kinds = self._mission, [each.fleet.kinds for each in (mission, self._mission)]
+        zones = [[zone.name for zone in each.zones] for each in (mission, asked)]
+        alike = zones[0] == zones[1] and kinds[0] == kinds[1]
+        return alike and mission.area == asked.area and mission.chargers == asked.chargers
 
     def _worth_a_check(self, plan: Plan, report: Report) -> bool:
         """Whether a plan for other demands may be better than the best for those that are asked."""

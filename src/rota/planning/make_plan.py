@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
@@ -225,7 +225,7 @@ class _Judge:
                 self._ready.join()
             # on the way planners try longer periods, of which the bound that the plan claims says nothing
             claims = plan.mission is self._mission
-            judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
+            judged = plan if claims else plan.without_bound()
             if claims:
                 self._unchecked = plan
                 if self._on_candidate is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -38,14 +39,21 @@ def one_robot_sentence(plan: Plan, report: Report) -> str | None:
 def with_one_more(plan: Plan, loop: list[Trajectory]) -> Plan:
     """The plan with one robot more on a loop, which all follow evenly spread; how they come there is left open."""
     first = loop[0]
-    extra = f"{first.robot} and one more"
+    extra = _name_of_one_more(plan, first.robot)
     names = [*(way.robot for way in loop), extra]
     spread = [_start_later(first, name, k / len(names)) for k, name in enumerate(names)]
     others = [way for way in plan if way.robot not in names]
-    return replace(
-        plan, mission=_with_robot(plan.mission, first.robot, extra), trajectories=(*others, *spread), seam=None,
-        lower_bound_robots=None, lower_bound_reason=None,
-    )  # fmt: skip
+    mission = _with_robot(plan.mission, first.robot, extra)
+    return replace(plan.without_bound(), mission=mission, trajectories=(*others, *spread), seam=None)
+
+
+def _name_of_one_more(plan: Plan, like: str) -> str:
+    """What another robot like this one is called: after its kind, with the next number, in a fleet of kinds."""
+    fleet = plan.mission.fleet
+    if not fleet.kinds:
+        return f"{like} and one more"
+    kind = fleet.kind_of(like).name
+    return next(name for k in itertools.count(1) if (name := f"{kind}-{k}") not in {way.robot for way in plan})
 
 
 def _start_later(way: Trajectory, robot: str, share: float) -> Trajectory:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 # a regular 256-gon with a circle's area has a radius so much larger
+SAME_COST = 1e-9  # sums of costs differ by less where they are the same
 AS_LARGE = math.sqrt(2 * math.pi / (256 * math.sin(2 * math.pi / 256)))
 
 
@@ -139,9 +141,11 @@ def robots_table(plan: Plan) -> str:
 
 
 def robots_sentence(plan: Plan) -> str:
-    """Robots in the plan against the proved lower bound, as a sentence."""
+    """Robots in the plan against the proved lower bound, as a sentence; of kinds their cost against that."""
     n, bound = len(plan.trajectories), plan.lower_bound_robots
     count = f"{n} robot" + ("s" if n != 1 else "")
+    if plan.mission.fleet.kinds:
+        return _cost_sentence(plan, count)
     if bound is None:
         return f"{count}; no lower bound is known."
     if n < bound:
@@ -149,6 +153,25 @@ def robots_sentence(plan: Plan) -> str:
     if n == bound:
         return f"{count}: no plan needs fewer, proved."
     return f"{count}; no plan with fewer than {bound} exists, proved."
+
+
+def cost_in_words(plan: Plan) -> str:
+    """What the robots of a fleet of kinds cost, and the proved bound on that."""
+    cost, bound = sum(plan.mission.fleet.kind_of(way.robot).cost for way in plan), plan.lower_bound_cost
+    return f"cost {cost:.6g}" + ("" if bound is None else f", at least {bound:.6g} is proved")
+
+
+def _cost_sentence(plan: Plan, robots: str) -> str:
+    """Robots of each kind and what they cost, against the proved bound on the cost."""
+    used = Counter(plan.mission.fleet.kind_of(way.robot) for way in plan)
+    words = [f"{used[kind]} {kind.name}" for kind in plan.mission.fleet.kinds if used[kind]]
+    cost, bound = sum(n * kind.cost for kind, n in used.items()), plan.lower_bound_cost
+    told = f"{robots}, {' and '.join(words)}, at a cost of {cost:.6g}"
+    if bound is None:
+        return f"{told}; no lower bound is known."
+    if bound >= cost * (1 - SAME_COST):
+        return f"{told}: no fleet of these kinds costs less, proved."
+    return f"{told}; no fleet of these kinds for less than {bound:.6g} exists, proved."
 
 
 def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
@@ -190,6 +213,8 @@ def bound_sentence(plan: Plan) -> str | None:
     """Why there is no plan with fewer robots than the proved bound; None when that is not told."""
     if plan.lower_bound_robots is None or plan.lower_bound_reason is None:
         return None
+    if plan.lower_bound_cost is not None:
+        return f"A cost of {plan.lower_bound_cost:.6g} at least: {plan.lower_bound_reason}."
     count = f"{plan.lower_bound_robots} robot" + ("s" if plan.lower_bound_robots != 1 else "")
     return f"{count} at least: {plan.lower_bound_reason}."
 

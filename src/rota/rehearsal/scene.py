@@ -20,6 +20,7 @@ from rota.live.places import places_of
 from rota.live.planned_sights import sights_by_plan
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
+from rota.model.sensor_faults import require_all_count
 from rota.rehearsal.batteries import batteries_of
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import Pair, pairs_near
@@ -81,6 +82,7 @@ def scene_of(plan: Plan, conditions: Conditions) -> Scene:
 
     Raises MissionError for runs that are too long for so many robots, RotaError where there is nothing to rehearse.
     """
+    require_all_count(plan.mission.zones, "rehearsals")
     if not len(plan.trajectories):
         raise RotaError("the plan has no robots; there is nothing to rehearse")
     begin_s = max(way.loop_start_s for way in plan)

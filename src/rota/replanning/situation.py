@@ -13,6 +13,7 @@ from rota.geometry.free_space import free_ground, nearest_free_point, standing_s
 from rota.model.limits import LONGEST_S
 from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot
 from rota.model.plan import Driven, Plan, Seam, Trajectory
+from rota.model.sensor_faults import require_all_count
 from rota.replanning.moments import delay, go_on, join_ways, way_before
 
 Place = tuple[float, float]
@@ -76,6 +77,7 @@ def situation_after(plan: Plan, change: Change) -> Situation:
 
 def _require_right(plan: Plan, change: Change) -> None:
     """MissionError for times, names and places that cannot be."""
+    require_all_count(plan.mission.zones, "new plans after a change")
     names = [trajectory.robot for trajectory in plan]
     has = f"the plan has {', '.join(names) or 'no robots'}"
     if not 0 <= change.at_s <= LONGEST_S:
@@ -119,19 +121,24 @@ def _mission_of(plan: Plan, change: Change, places: Mapping[str, Place]) -> Miss
                 " it out"
             )
     holds_s = None if change.mission is None else asked.holds_within_s
-    robots = [listed.get(name) or fleet.equal_robot(name) for name in places]
+    robots = [listed.get(name) or _robot(fleet, name) for name in places]
     for robot in robots:
         _require_room(asked, robot, places[robot.name], change.at_s)
 
     def mission_with(starts: Mapping[str, Place]) -> Mission:
         """The mission of these robots with starts."""
         own = tuple(replace(robot, start=starts.get(robot.name)) for robot in robots)
-        return replace(asked, fleet=replace(fleet, robots=own, start=None), holds_within_s=holds_s)
+        return replace(asked, fleet=replace(fleet, robots=own, kinds=(), start=None), holds_within_s=holds_s)
 
     try:
         return mission_with(places)
     except MissionError:  # on lanes, and where autopilots begin their rounds by themselves, robots have none
         return mission_with({})
+
+
+def _robot(fleet: Fleet, name: str) -> Robot:
+    """A robot that the fleet does not list: of the kind that its name tells, or one of the equals."""
+    return fleet.kind_of(name).robot(name) if fleet.kinds else fleet.equal_robot(name)
 
 
 def _require_room(mission: Mission, robot: Robot, place: Place, at_s: float) -> None:

@@ -102,7 +102,7 @@ def make_cells(mission: Mission) -> Cells:
     Raises MissionError for more than MOST_CELLS cells and for a ground on which no body can stand at a cell's centre.
     """
     settings = BounceSettings.of(mission)
-    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
+    robots = mission.fleet.unlike_robots
     _, _, x1, y1 = mission.area.bounds
     x0, y0 = mission.grid_corner_m
     return cells_of(

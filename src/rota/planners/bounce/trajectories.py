@@ -53,7 +53,7 @@ def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
     move. Where clocks drift and are to keep a margin, moves take that time, too: the margin is judged in steps of equal
     length.
     """
-    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),) * count
+    robots = mission.fleet.unlike_robots * count
     moves_m = np.hypot(*cells.moves.T) * cells.cell_m
     move_s = np.array([moves_m / robot.ground_speed_m_s for robot in robots])
     longest_s = step_duration_s(mission, cells)
@@ -67,7 +67,7 @@ def step_duration_s(mission: Mission, cells: Cells) -> float:
 
     Moves with more than 8 headings are a little off their headings, and so is the angle by which a robot turns.
     """
-    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
+    robots = mission.fleet.unlike_robots
     steps = {1, *(round(angle * cells.headings / 360) for angle in BounceSettings.of(mission).bouncing_angles_deg)}
     true_rad = cells.headings_rad
     turns_rad = [float(((np.roll(true_rad, -count) - true_rad) % math.tau).max()) for count in steps]

@@ -59,7 +59,7 @@ def unreached_parts(mission: Mission, cells: Cells, unreached: Flags, begins: In
 
 def body_room(mission: Mission) -> MultiPolygon:
     """Where the centre of the fleet's widest body may be."""
-    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
+    robots = mission.fleet.unlike_robots
     radius_m = max(robot.body_radius_m for robot in robots)
     room = free_ground(mission).buffer(-(radius_m - TOUCH_M / 2) if radius_m > TOUCH_M else 0, quad_segs=16)
     return polygons_of(room)

@@ -5,27 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rota.model.fields import flat_fields_of
-from rota.model.fleet import Abilities
 from rota.model.motion_limits import MOTION_FIELDS
-from rota.model.refusals import Where, every_motion, fleet_blocks, inner, listed_robots
+from rota.model.refusals import Where, fleet_blocks, inner
 
 AT_ONCE = "robots that charge turn and change their speed at once: remove it, or endurance_s"
-ALIKE = "robots that relieve each other are alike: give it for the fleet"
-ABLE = tuple(item.name for item in flat_fields_of(Abilities))
+BEGIN = "robots that charge begin anywhere on their flights: remove it"
+AT_ONCE_FIELDS = (*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m")
 
 
 def charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-    """Limits of motion and turning, starts, lanes, and what single robots can do, where robots have an endurance."""
-    if not any(inner(block, "endurance_s") is not None for _, block in fleet_blocks(data)):
-        return
-    yield from every_motion(data, [*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m"], AT_ONCE)
-    for where, block in fleet_blocks(data):
-        if inner(block, "start") is not None:
-            yield (*where, "start"), "robots that charge begin anywhere on their flights: remove it"
-    for k, robot in enumerate(listed_robots(data)):
-        for name in ABLE:
-            if inner(robot, name) is not None:
-                yield ("fleet", "robots", k, name), ALIKE
-    if data.get("lanes") or inner(data, "area", "graph") is not None:
-        yield ("fleet", "endurance_s"), "on lanes no charging is planned: remove it"
+    """Limits of motion and turning, starts and lanes, where robots have an endurance."""
+    fleet, (_, *listed) = inner(data, "fleet"), fleet_blocks(data)
+    refused: dict[Where, str] = {}
+    for where, block in listed or [(("fleet",), fleet)]:
+        told = {name: (where if inner(block, name) is not None else ("fleet",)) for name in (*AT_ONCE_FIELDS, "start")}
+        values = {name: inner(block, name) if told[name] == where else inner(fleet, name) for name in told}
+        if inner(block, "endurance_s") is None and inner(fleet, "endurance_s") is None:
+            continue
+        refused |= {(*told[name], name): AT_ONCE for name in AT_ONCE_FIELDS if values[name] not in (None, 0, "none")}
+        if values["start"] is not None:
+            refused[(*told["start"], "start")] = BEGIN
+        if data.get("lanes") or inner(data, "area", "graph") is not None:
+            refused["fleet", "endurance_s"] = "on lanes no charging is planned: remove it"
+    yield from refused.items()

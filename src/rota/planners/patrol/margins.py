@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rota.model.mission import DiscSensor, Mission, Robot, Sensor, SquareSensor
+from rota.model.mission import DiscSensor, Mission, Robot, Sensor
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 
@@ -43,5 +43,5 @@ def with_reserve(mission: Mission) -> Mission:
 def shorter_sensor(sensor: Sensor, margin_m: float) -> Sensor:
     """The sensor, with ``margin_m`` less reach in every direction."""
     if isinstance(sensor, DiscSensor):
-        return DiscSensor(radius_m=sensor.radius_m - margin_m)
-    return SquareSensor(side_m=sensor.side_m - 2 * margin_m)
+        return replace(sensor, radius_m=sensor.radius_m - margin_m)
+    return replace(sensor, side_m=sensor.side_m - 2 * margin_m)

@@ -20,6 +20,8 @@ from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
+from rota.planners.patrol.kinds.groups import differs
+from rota.planners.patrol.kinds.plan_with_kinds import plan_with_kinds
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
@@ -55,15 +57,42 @@ def plan_patrol(
     watch: Watch | None = None,
     executor: Executor | None = None,
 ) -> Plan:
+    """A plan for the mission, whose robots may be unlike each other; see ``plan_alike`` for those that are not."""
+    search = partial(
+        plan_alike, seed=seed, judge=judge, should_stop=should_stop, watch=watch, executor=executor,
+    )  # fmt: skip
+    if mission.lanes or not differs(mission):
+        return search(mission, progress=progress)
+
+    def search_part(part: Mission) -> Plan:
+        """A plan for some of the ground; how far it has come says nothing of the whole."""
+        return search(part, progress=lambda share, doing: None)
+
+    return plan_with_kinds(
+        mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, search=search_part
+    )
+
+
+def plan_alike(
+    mission: Mission,
+    *,
+    seed: int,
+    judge: Judge,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+    watch: Watch | None = None,
+    executor: Executor | None = None,
+) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
-    Robots with starts reach their loops from there. The lower bound is that of the mission as it is asked. Raises
+    All robots are taken to be alike, the weakest of them in everything. Robots with starts reach their loops from
+    there. The lower bound is that of the mission as it is asked. Raises
     NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     if mission.chargers:
         search = partial(
-            plan_patrol, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+            plan_alike, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
             executor=executor,
         )  # fmt: skip
         return plan_with_relief(mission, seed=seed, judge=judge, search=search)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from rota.errors import MissionError
 from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
-from rota.model.refusals import Where, fleet_blocks, inner, robot_count, show_value
+from rota.model.refusals import Where, every_choice_of_robots, fleet_blocks, inner, robot_count, show_value
 from rota.planners.patrol.charging_refusals import charging_refusals
 from rota.planners.patrol.lane_refusals import lane_refusals
 from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
@@ -46,6 +46,7 @@ class PatrolSettings(PlannerSettings):
     heeds_entrances: ClassVar[bool] = True
     heeds_lanes: ClassVar[bool] = True
     heeds_batteries: ClassVar[bool] = True
+    heeds_kinds: ClassVar[bool] = True
     heeds_motion: ClassVar[bool] = True
     effort: Effort = setting("normal", "how much work planning may be")
     method: Method = setting("tours", "all but tours are to compare with: traditional methods, and Sun 2019's stages")
@@ -114,6 +115,7 @@ class PatrolSettings(PlannerSettings):
             yield ("importance",), MAP_OF_IMPORTANCE
         yield from lane_refusals(data)
         yield from charging_refusals(data)
+        yield from _kinds_on_lanes(data)
         yield from _ways_to_turn(data)
         yield from _starts_of_autopilots(data)
         yield from _too_much_reserve(data)
@@ -130,9 +132,17 @@ def _starts_of_autopilots(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]
             )
 
 
+def _kinds_on_lanes(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Robots of different kinds, and zones that name sensors, where robots keep to lanes."""
+    if data.get("lanes") or inner(data, "area", "graph") is not None:
+        yield from every_choice_of_robots(data, "on lanes all robots are planned for as if they were alike: remove it")
+
+
 def _ways_to_turn(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """A fleet of which some robots take time to turn on the spot and others turn on arcs."""
     blocks = fleet_blocks(data)
+    if inner(data, "fleet", "kinds"):  # each is planned by itself
+        return
     if all(inner(block, "turn_rate_rad_s") is None for _, block in blocks):
         return
     for where, block in blocks:

@@ -18,7 +18,7 @@ def pockets_sentence(plan: Plan) -> str | None:
     fleet = plan.mission.fleet
     if fleet.entrances is not None or len(plan.trajectories) < 2:
         return None
-    body_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
+    body_m = max(robot.body_radius_m for robot in fleet.unlike_robots)
     parts = shapely.get_parts(standing_space(plan.mission, body_m, arc_corners=POCKET_ARC_CORNERS))
     if len(parts) < 2:
         return None

@@ -30,7 +30,7 @@ def require_corners_in_reach(mission: Mission) -> None:
     stand there.
     """
     fleet = mission.fleet
-    robots = fleet.robots or (fleet.equal_robot("any"),)
+    robots = fleet.unlike_robots
     radius_m = min(robot.turn_radius_m for robot in robots)
     reach_m = max(robot.sensor.reach_m for robot in robots)
     regions = [region for region in demanded_regions(mission) if region.demand == "every_point"]

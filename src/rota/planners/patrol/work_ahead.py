@@ -21,7 +21,7 @@ RAGGED_CORNERS = 20_000  # as many has a scanned floor, once in its area and onc
 
 def planning_ahead(mission: Mission) -> Iterator[str]:
     """What makes planning a mission long, each with a rough estimate."""
-    robot = (mission.fleet.robots or (mission.fleet.equal_robot("any"),))[0]
+    robot = (mission.fleet.unlike_robots)[0]
     reach_m = inner_reach_m(robot.sensor)
     periods_s = [period for period in (mission.period_s, *(zone.period_s for zone in mission.zones)) if period]
     if mission.period_s is not None:

@@ -76,7 +76,7 @@ def doubtful(mission: Mission, least_robots: int) -> Iterator[Json]:
 
 
 def _robots(mission: Mission) -> tuple[Robot, ...]:
-    return mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
+    return mission.fleet.unlike_robots
 
 
 def _different(mission: Mission) -> Iterator[tuple[Robot, tuple[str | int, ...]]]:

@@ -9,7 +9,7 @@ from rota.model.mission import DiscSensor, Fleet, Robot
 
 def strongest_robot(fleet: Fleet) -> Robot:
     """A robot at least as fast and far-sighted as every one of the fleet: a bound for it holds for all."""
-    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    robots = fleet.unlike_robots
     speed_m_s = max(robot.ground_speed_m_s for robot in robots)
     # a square fits in the disc round it, so a mixed fleet is bounded by discs
     if len({type(robot.sensor) for robot in robots}) == 1:

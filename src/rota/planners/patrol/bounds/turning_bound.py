@@ -36,7 +36,7 @@ from rota.planners.patrol.tolerances import SURELY
 
 def circle_radius_m(mission: Mission) -> float:
     """The radius in metres of the circle that no middle of a robot leaves: that round the area, less the body's."""
-    robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+    robots = mission.fleet.unlike_robots
     body_m = min(robot.body_radius_m for robot in robots)
     return max(0.0, float(shapely.minimum_bounding_radius(mission.area)) - body_m) * SURELY
 

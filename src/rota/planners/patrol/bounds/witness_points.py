@@ -167,7 +167,7 @@ class _WiderSpace:
 
     def __init__(self, mission: Mission, reach_m: float) -> None:
         room_m = ROOM * reach_m
-        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        robots = mission.fleet.unlike_robots
         body_m = min(robot.body_radius_m for robot in robots)
         self.reach_m = reach_m * (1 + ROOM)
         are_squares = all(isinstance(robot.sensor, SquareSensor) for robot in robots)

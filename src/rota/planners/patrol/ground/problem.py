@@ -200,7 +200,7 @@ def periods_of(regions: tuple[DemandedRegion, ...]) -> tuple[float, ...]:
 
 def common_robot(fleet: Fleet) -> Robot:
     """A robot that every robot of the fleet can stand in for: the slowest, with the shortest reach, the widest body."""
-    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    robots = fleet.unlike_robots
     sensors = [robot.sensor for robot in robots]
     if all(isinstance(sensor, SquareSensor) for sensor in sensors):
         sensor: DiscSensor | SquareSensor = min(sensors, key=lambda sensor: sensor.reach_m)

@@ -199,7 +199,7 @@ def require_room(mission: Mission) -> None:
     fleet = mission.fleet
     if not isinstance(fleet.start, StartBox):
         return
-    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    robots = fleet.unlike_robots
     body_m = max(robot.body_radius_m for robot in robots)
     own_m = np.array([robot.start for robot in robots if robot.start is not None]).reshape(-1, 2)
     needed = len(robots) - len(own_m)

@@ -1,0 +1,134 @@
+"""One group's part of a mission, planned as a mission of its own, and the plans of all parts put together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.errors import MissionError, NoPlanFound
+from rota.model.mission import AREA, Charger, Mission, Zone
+from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.kinds.division import Part
+from rota.planners.patrol.kinds.groups import Group
+from rota.planners.patrol.verdict import Judge
+
+Floats = NDArray[np.float64]
+Search = Callable[[Mission], Plan]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What came of planning a part. ratio: the longest gap over its period, above 1 where the demand is not met.
+
+    plan: the best there is; None: none at all, or nothing to do. why: in words where the demand is not met.
+    """
+
+    plan: Plan | None
+    ratio: float
+    why: str = ""
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the part's demand is met."""
+        return self.ratio <= 1
+
+    @property
+    def robots(self) -> int:
+        """How many robots the plan has."""
+        return 0 if self.plan is None else len(self.plan)
+
+
+class Parts:
+    """Parts of a mission and what came of them; each is planned once."""
+
+    def __init__(self, mission: Mission, groups: Sequence[Group], judge: Judge, search: Search) -> None:
+        self._mission, self._groups, self._judge, self._search = mission, groups, judge, search
+        self._known: dict[tuple[object, ...], Outcome] = {}
+
+    @property
+    def is_confined(self) -> bool:
+        """Whether groups keep to ground of their own, since bodies of unlike robots would meet otherwise."""
+        return any(group.robot.body_radius_m > 0 for group in self._groups)
+
+    def outcome(self, k: int, part: Part, chargers: tuple[Charger, ...]) -> Outcome:
+        """What comes of planning the part of group number k."""
+        shapes = [*(region.shape for region in part.regions), part.cell if self.is_confined else None]
+        key = (k, tuple(region.name for region in part.regions), tuple(map(shapely.to_wkb, shapes)), chargers)
+        if key not in self._known:
+            self._known[key] = self._plan_anew(k, part, chargers)
+        return self._known[key]
+
+    def _plan_anew(self, k: int, part: Part, chargers: tuple[Charger, ...]) -> Outcome:
+        """The same, anew."""
+        try:
+            mission = self._part_of_mission(self._groups[k], part, chargers)
+        except MissionError as error:  # a start or a charger outside its cell
+            return Outcome(plan=None, ratio=math.inf, why=str(error))
+        try:
+            return Outcome(plan=self._search(mission), ratio=1.0)
+        except NoPlanFound as failure:
+            best = failure.best if isinstance(failure.best, Plan) else None
+            demands = () if best is None else self._judge(best).demands
+            worst = max((demand.worst_gap_s / demand.period_s for demand in demands), default=math.inf)
+            return Outcome(plan=best, ratio=max(worst, math.nextafter(1, 2)), why=str(failure))
+
+    def _part_of_mission(self, group: Group, part: Part, chargers: tuple[Charger, ...]) -> Mission:
+        """The mission that asks a group's robots for its part alone. MissionError where they cannot be there."""
+        area = part.cell if self.is_confined and part.cell is not None else self._mission.area
+        zones = tuple(
+            Zone(
+                name="the rest" if region.name == AREA else region.name, period_s=region.period_s,
+                demand=region.demand, shape=region.shape,
+            )
+            for region in part.regions
+        )  # fmt: skip
+        return replace(
+            self._mission, area=area, zones=zones, period_s=None, fleet=group.fleet_of(self._mission.fleet),
+            chargers=chargers if group.robot.battery.endurance_s is not None else (),
+        )  # fmt: skip
+
+    def together(self, outcomes: Sequence[Outcome], seed: int) -> Plan:
+        """The plan of all parts; robots of kinds are called after them."""
+        ways: list[Trajectory] = []
+        for group, outcome in zip(self._groups, outcomes, strict=True):
+            own = tuple(outcome.plan or ())
+            if not group.robots:
+                own = tuple(
+                    replace(way, robot=f"{group.name}-{number}" if self._mission.fleet.kinds else f"robot-{number}")
+                    for number, way in enumerate(own, start=1)
+                )
+            ways += own
+        return Plan(mission=self._mission, trajectories=tuple(ways), seed=seed)
+
+    def chargers_of(self, parts: Sequence[Part], wanted: Floats) -> list[tuple[Charger, ...]]:
+        """Each group's places at chargers: those nearest to its part, as many as it wants of all there are.
+
+        wanted: robots of each group, or any measure of them. NoPlanFound where there are fewer places than groups that
+        charge.
+        """
+        charging = [
+            k for k, group in enumerate(self._groups)
+            if group.robot.battery.endurance_s is not None and parts[k].regions
+        ]  # fmt: skip
+        if len(charging) < 2:
+            return [self._mission.chargers] * len(self._groups)
+        free = {charger: charger.places for charger in self._mission.chargers}
+        if sum(free.values()) < len(charging):
+            raise NoPlanFound(
+                f"chargers: they have {sum(free.values())} places for {len(charging)} kinds of robots that charge, and"
+                " no two kinds share one: give more places"
+            )
+        dealt: list[dict[Charger, int]] = [{} for _ in self._groups]
+        middles = [shapely.union_all([region.shape for region in part.regions]).centroid for part in parts]
+        while any(free.values()):
+            k = max(charging, key=lambda k: (not dealt[k], wanted[k] / (1 + sum(dealt[k].values()))))
+            away_m = {each: shapely.distance(middles[k], shapely.Point(each.at)) for each in free if free[each]}
+            near = min(away_m, key=lambda each: away_m[each])
+            free[near] -= 1
+            dealt[k][near] = dealt[k].get(near, 0) + 1
+        return [tuple(replace(each, places=places) for each, places in own.items()) for own in dealt]

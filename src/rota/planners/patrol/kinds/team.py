@@ -1,0 +1,74 @@
+"""The groups of a fleet with what each was found to be worth, and the parts of the ground that are planned for them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.geometry.free_space import demanded_regions
+from rota.model.mission import Mission
+from rota.model.plan import Plan
+from rota.planners.patrol.kinds.division import Part, divisions
+from rota.planners.patrol.kinds.groups import groups_of
+from rota.planners.patrol.kinds.parts import Outcome, Parts, Search
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
+from rota.planners.patrol.verdict import Judge, worst_reached
+
+Floats = NDArray[np.float64]
+
+TRIES: dict[Effort, int] = {"quick": 6, "normal": 16, "high": 60}  # divisions of the ground that are planned
+USUAL = 0.8  # of the ground on perfect lanes that robots see in a plan, before any part was planned
+
+
+class Team:
+    """The groups of a mission's fleet. worth: (g,) what a robot of each is taken to see, m2/s.
+
+    asked: (g,) what was asked of each in the last division, m2/s. tries: divisions that may be planned.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        *,
+        seed: int,
+        judge: Judge,
+        progress: Callable[[float, str], None],
+        should_stop: Callable[[], bool],
+        search: Search,
+    ) -> None:
+        self.mission, self.should_stop = mission, should_stop
+        self.groups, self.regions = groups_of(mission.fleet), demanded_regions(mission)
+        self.worth = np.array([USUAL * group.swath_m2_s for group in self.groups])
+        self.asked = np.zeros(len(self.groups))
+        self.tries = TRIES[PatrolSettings.of(mission).effort]
+        self._parts = Parts(mission, self.groups, judge, search)
+        self._seed, self._judge, self._progress = seed, judge, progress
+
+    def plan_parts(self, counts: Floats, number: int) -> list[Outcome]:
+        """What comes of each group's part in the division of this number for so many robots of each.
+
+        The last division where there are fewer. A group with nothing to do has a plan without robots.
+        """
+        ways = divisions(
+            self.regions, self.groups, counts, self.worth, self.mission.area, confined=self._parts.is_confined
+        )
+        division: Sequence[Part] = list(itertools.islice(ways, number + 1))[-1]
+        self.asked = np.array([part.asked_m2_s for part in division])
+        chargers = self._parts.chargers_of(division, counts)
+        return [
+            self._parts.outcome(k, part, chargers[k]) if part.regions else Outcome(plan=None, ratio=1.0)
+            for k, part in enumerate(division)
+        ]
+
+    def join(self, outcomes: Sequence[Outcome]) -> tuple[Plan, str]:
+        """The plan of all parts, and what is wrong with it as a whole; nothing where the judge passes it."""
+        plan = self._parts.together(outcomes, self._seed)
+        verdict = self._judge(plan)
+        return plan, "" if verdict.verdict == "met" else worst_reached(verdict)
+
+    def tell(self, share: float, doing: str) -> None:
+        """Tell how far the search has come."""
+        self._progress(share, doing)
