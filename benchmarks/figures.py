@@ -43,7 +43,7 @@ from benchmarks.random_flats import bounce_flats
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
 from benchmarks.rehearsals import rehearsals
-from benchmarks.replans import replans
+from benchmarks.replans import random_losses, replans
 from benchmarks.row import Options, Row
 from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
@@ -247,6 +247,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "player": player,
     "rehearsals": rehearsals,
     "replans": replans,
+    "random-losses": random_losses,
     "link-noise": link_noise,
     "kept-phase": kept_phase,
     "foreign-agvs": foreign_agvs,
@@ -268,5 +269,6 @@ LONG = (
     "stopping",
     "foreign-agvs",
     "replans",
+    "random-losses",
     "suite",
 )  # a quarter of an hour and more: measured only when named, or with --all
