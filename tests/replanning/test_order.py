@@ -10,6 +10,7 @@ import shapely
 
 from rota import DiscSensor, Fleet, Mission, MissionError, PatrolSettings, Plan, Robot, Trajectory, Zone, replan
 from rota.model.importance import ImportanceMap
+from rota.replanning.order import Order, levels_of
 
 # a corridor 100 m long; a robot at 1 m/s goes to and fro over 10 m at either end, in 20 s
 ENDS = {"west": 0.0, "east": 90.0}
@@ -58,6 +59,15 @@ def test_nothing_is_left_where_those_that_remain_suffice() -> None:
     mission = replace(plan.mission, zones=tuple(replace(zone, period_s=210) for zone in plan.mission.zones))
     found = replan(replace(plan, mission=mission), at_s=100, lost=["of east"], time_limit_s=5)
     assert found.report.verdict == "met"
+
+
+def test_less_important_demands_are_eased_and_others_kept() -> None:
+    mission = replace(watched({"west": 1, "east": 5}).mission, period_s=100.0, importance=1)
+    assert levels_of(mission) == [{"east"}, {"west", "area"}]
+    for times, asked in ((2.0, (44.0, 200.0)), (np.inf, (None, None))):
+        eased = Order(mission).ease_less_important(1, times)
+        west, east = (zone.period_s for zone in eased.zones)
+        assert (east, (west, eased.period_s)) == (22, asked)
 
 
 def test_a_map_of_importance_is_for_swarms() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from rota.model.limits import LONGEST_S
 from rota.model.mission import AREA, Fleet, ImportanceMap, Mission
 from rota.model.plan import Plan, Trajectory
 
@@ -73,11 +74,17 @@ class Order:
         late = round(sample.worst_s, LATE_DIGITS), round(sample.last_s, LATE_DIGITS)
         return *self.for_ever(sample.for_ever), *late, changed, sample.late_m2_s
 
-    def only_most_important(self, count: int) -> Mission:
-        """The mission that asks for the demands of so many levels alone, the most important ones."""
-        asked = frozenset().union(*self.levels[:count])
-        zones = tuple(zone if zone.name in asked else replace(zone, period_s=None) for zone in self._mission.zones)
-        return replace(self._mission, zones=zones, period_s=self._mission.period_s if AREA in asked else None)
+    def ease_less_important(self, count: int, times: float) -> Mission:
+        """The mission whose demands but those of so many levels have so many times their periods; inf: none at all."""
+        kept = frozenset().union(*self.levels[:count])
+
+        def ease(name: str, period_s: float | None) -> float | None:
+            if name in kept or period_s is None:
+                return period_s
+            return None if math.isinf(times) else min(times * period_s, LONGEST_S)
+
+        zones = tuple(replace(zone, period_s=ease(zone.name, zone.period_s)) for zone in self._mission.zones)
+        return replace(self._mission, zones=zones, period_s=ease(AREA, self._mission.period_s))
 
     def importance_of(self, loops: Sequence[Trajectory], team: Fleet) -> dict[str, float]:
         """How important is what depends on each loop, by the names of a team's robots; nothing where all is alike.

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
+EASED = (2.0, 4.0, math.inf)  # times the periods of what is less important that are tried; inf: it is left out
 POINTS = 150  # of each demand that plans are compared at
 
 
@@ -140,14 +141,15 @@ class _Search:
     def look_for_better(self, progress: Callable[[float, str], None] | None) -> None:
         """Search for other rounds; each that is found is shared by the robots that remain.
 
-        Where what is more important is not met by any, also for rounds that serve nothing else.
+        Where what is more important is not met by any, also for rounds that serve the rest more rarely, or not at all.
         """
         mission = self._situation.mission
         self._search(mission, progress)
         for count in range(len(self._order.levels) - 1, 0, -1):
-            if self._is_over() or self._rank[0] == 0.0 or not any(self._rank[1 : 1 + 2 * count]):
-                return
-            self._search(self._order.only_most_important(count), progress)
+            for times in EASED:
+                if self._is_over() or self._rank[0] == 0.0 or not any(self._rank[1 : 1 + 2 * count]):
+                    return
+                self._search(self._order.ease_less_important(count, times), progress)
 
     def _search(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
         """Search for rounds for a mission, which may ask for less than that of the situation."""
