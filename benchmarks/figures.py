@@ -24,6 +24,7 @@ from benchmarks.foreign_agvs import foreign_agvs
 from benchmarks.graph_patrols import graph_patrols
 from benchmarks.house import house, suite
 from benchmarks.kept_phase import kept_phase
+from benchmarks.kinds import kinds
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.lawn_mowing import lawn_mowing
@@ -237,6 +238,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "never-more": never_more,
     "cyclic-visits": cyclic_visits,
     "charging": charging,
+    "kinds": kinds,
     "stopping": stopping,
     "house": house,
     "suite": suite,

@@ -22,6 +22,7 @@ from rota.model.fleet import (
     Abilities,
     DiscSensor as DiscSensor,
     Fleet as Fleet,
+    Kind as Kind,
     Place as Place,
     Robot as Robot,
     Sensor as Sensor,
