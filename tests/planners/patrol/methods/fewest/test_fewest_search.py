@@ -90,9 +90,9 @@ def test_over_ragged_ground_the_bound_is_proved_once_there_are_first_tours(monke
     told: list[str] = []
     proofs: list[str] = []
 
-    def prove(of: Problem) -> ProvedBound:
+    def prove(of: Problem, **values: Any) -> ProvedBound:
         proofs.extend(told[-1:])
-        return prove_bound(of)
+        return prove_bound(of, **values)
 
     monkeypatch.setattr(context_module, "prove_bound", prove)
     plans = plan_tours(
