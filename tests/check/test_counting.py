@@ -13,7 +13,6 @@ from rota.errors import MissionError
 from rota.model.fleet import Robot
 from rota.model.mission import Demand, DiscSensor, Fleet, Mission, Zone
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol import PatrolSettings
 
 HOT = Zone(name="hot", period_s=30, shape=MultiPolygon([box(40, 0, 50, 10)]), sensors=("thermal",))
 YARD = Mission(
@@ -26,7 +25,6 @@ YARD = Mission(
         sensor=DiscSensor(radius_m=11),
         robots=[Robot(name="plain"), Robot(name="warm", sensor=DiscSensor(radius_m=11, name="thermal"))],
     ),
-    planning=PatrolSettings(),
 )
 
 

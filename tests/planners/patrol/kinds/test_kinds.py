@@ -21,6 +21,7 @@ from rota.planners.patrol import PatrolSettings
 from rota.planners.patrol.kinds.cost_bound import cost_bound
 from rota.planners.patrol.kinds.division import by_cuts, by_zones, load_of
 from rota.planners.patrol.kinds.groups import differs, groups_of
+from rota.planners.patrol.kinds.parts import Parts
 
 # as wide as the sensor sees: a robot goes to and fro, some 37 s at 10 m/s and 74 s at 5 m/s
 CORRIDOR = Mission(
@@ -103,6 +104,21 @@ def test_listed_robots_get_ground_by_what_they_can_see() -> None:
     assert slow_m < fast_m / 2
 
 
+def test_listed_robots_with_nothing_to_do_stay() -> None:
+    zones = tuple(
+        Zone(name=name, period_s=5, demand="visit", shape=MultiPolygon([box(x, 0, x + 2, 2)]))
+        for name, x in (("a", 5), ("b", 190))
+    )
+    robots = [Robot(name="slow", speed_m_s=1), Robot(name="mid", speed_m_s=3), Robot(name="fast", start=(100, 5))]
+    fleet = replace(CORRIDOR.fleet, robots=robots)
+    mission = replace(CORRIDOR, zones=zones, period_s=None, fleet=fleet)
+    parts = Parts(mission, groups_of(fleet), check_plan, make_plan)
+    idle = parts.idle(2)
+    assert idle.is_met
+    assert [(way.robot, way.positions_m.tolist()) for way in idle.plan or ()] == [("fast", [[100, 5]])]
+    assert check_plan(make_plan(mission)).verdict == "met"
+
+
 def test_bodies_of_unlike_robots_keep_to_ground_of_their_own() -> None:
     robots = [Robot(name="small"), Robot(name="large", speed_m_s=1, body_radius_m=1)]
     fleet = Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=10), body_radius_m=0.3, robots=robots)
@@ -124,7 +140,7 @@ def test_kinds_that_charge_share_the_places_at_chargers() -> None:
     assert check_plan(plan).verdict == "met"
     assert any(way.robot == "fast-1" and way.charges for way in plan)
     one = (replace(chargers[0], places=1),)
-    with pytest.raises(NoPlanFound, match="they have 1 places for 2 kinds of robots that charge"):
+    with pytest.raises(NoPlanFound, match="they have 1 place for 2 kinds of robots that charge"):
         make_plan(with_kinds(CORRIDOR, *kinds, zones=(zone,), chargers=one))
 
 

@@ -29,7 +29,7 @@ def plan_listed(team: Team, search: Search) -> Plan:
         except NoPlanFound:
             pass
     counts = np.array([len(group.robots) for group in team.groups], dtype=np.float64)
-    least, best, why = math.inf, None, "nothing was tried"
+    least, best, why, wrong = math.inf, None, "nothing was tried", ""
     for number in range(team.tries):
         if number and team.should_stop():
             break

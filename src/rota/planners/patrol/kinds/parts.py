@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
+from rota.geometry.free_space import nearest_free_point, standing_space
 from rota.model.mission import AREA, Charger, Mission, Zone
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.kinds.division import Part
@@ -62,6 +63,22 @@ class Parts:
         if key not in self._known:
             self._known[key] = self._plan_anew(k, part, chargers)
         return self._known[key]
+
+    def idle(self, k: int) -> Outcome:
+        """The outcome of group number k where it has nothing to do: listed robots stay, at their starts or anywhere."""
+        robots = self._groups[k].robots
+        if not robots:
+            return Outcome(plan=None, ratio=1.0)
+        space = standing_space(self._mission, robots[0].body_radius_m)
+        middle = space.centroid
+        anywhere = robots[0].start if space.is_empty else nearest_free_point(space, (middle.x, middle.y))
+        ways = [
+            Trajectory(
+                robot=robot.name, loop_start_s=0.0, times_s=np.zeros(1), positions_m=np.array([robot.start or anywhere])
+            )
+            for robot in robots
+        ]
+        return Outcome(plan=Plan(mission=self._mission, trajectories=tuple(ways)), ratio=1.0)
 
     def _plan_anew(self, k: int, part: Part, chargers: tuple[Charger, ...]) -> Outcome:
         """The same, anew."""
@@ -118,10 +135,10 @@ class Parts:
         if len(charging) < 2:
             return [self._mission.chargers] * len(self._groups)
         free = {charger: charger.places for charger in self._mission.chargers}
-        if sum(free.values()) < len(charging):
+        if (places := sum(free.values())) < len(charging):
             raise NoPlanFound(
-                f"chargers: they have {sum(free.values())} places for {len(charging)} kinds of robots that charge, and"
-                " no two kinds share one: give more places"
+                f"chargers: they have {places} place{'s'[: places > 1]} for {len(charging)} kinds of robots that"
+                " charge, and no two kinds share one: give more places"
             )
         dealt: list[dict[Charger, int]] = [{} for _ in self._groups]
         middles = [shapely.union_all([region.shape for region in part.regions]).centroid for part in parts]

@@ -50,7 +50,7 @@ class Team:
     def plan_parts(self, counts: Floats, number: int) -> list[Outcome]:
         """What comes of each group's part in the division of this number for so many robots of each.
 
-        The last division where there are fewer. A group with nothing to do has a plan without robots.
+        The last division where there are fewer. Listed robots with nothing to do stay where they are.
         """
         ways = divisions(
             self.regions, self.groups, counts, self.worth, self.mission.area, confined=self._parts.is_confined
@@ -59,7 +59,7 @@ class Team:
         self.asked = np.array([part.asked_m2_s for part in division])
         chargers = self._parts.chargers_of(division, counts)
         return [
-            self._parts.outcome(k, part, chargers[k]) if part.regions else Outcome(plan=None, ratio=1.0)
+            self._parts.outcome(k, part, chargers[k]) if part.regions else self._parts.idle(k)
             for k, part in enumerate(division)
         ]
 
