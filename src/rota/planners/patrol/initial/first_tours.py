@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.initial.standing import robots_stand, standing_tours
-from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -24,13 +24,13 @@ from rota.planners.patrol.driving.polylines import without_repeats
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.initial.standing import robots_stand
-from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of, where_robots_come
 from rota.planners.patrol.methods.large.districts import by_districts
 from rota.planners.patrol.methods.large.lanes import AROUND, MOST_SHARING
 from rota.planners.patrol.methods.sweeping.search import judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

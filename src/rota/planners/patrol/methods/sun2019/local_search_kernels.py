@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.initial.order_kernels import reverse_places
+from rota.planners.patrol.tours.order_kernels import reverse_places
 
 DEEPEST = 12  # 2-opt moves of one chain
 

@@ -16,7 +16,6 @@ from rota.model.mission import DiscSensor
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import distances
-from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.methods.sweeping.boustrophedon import cells
 from rota.planners.patrol.methods.sweeping.lanes import (
     GRID_M,
@@ -28,6 +27,7 @@ from rota.planners.patrol.methods.sweeping.lanes import (
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

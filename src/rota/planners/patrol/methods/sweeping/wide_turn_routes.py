@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid
 from rota.planners.patrol.driving.polylines import timeable
-from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M, curve_corners, lengths_between
+from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.initial.order_kernels import improve_once, nearest_neighbour_tour
 from rota.planners.patrol.tolerances import SAME_PLACE_M
+from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neighbour_tour
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

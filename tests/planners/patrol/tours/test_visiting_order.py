@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.first_tours import lane_order
-from rota.planners.patrol.initial.order_kernels import improve_once, nearest_neighbour_tour, reverse_places
-from rota.planners.patrol.initial.visiting_order import short_order
+from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neighbour_tour, reverse_places
+from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
