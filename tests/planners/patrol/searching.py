@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -18,13 +21,18 @@ YARD = Mission(
 )  # fmt: skip
 
 
-def search_on(ground: Mission | Problem) -> Context:
+def search_on(ground: Mission | Problem, prove: Callable[[Problem], ProvedBound] = prove_bound) -> Context:
     """A search with seed 0 that tells nobody and is not stopped; the check judges."""
     problem = set_up_problem(ground) if isinstance(ground, Mission) else ground
     return begin_search(
         problem, asked=problem.mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
-        should_stop=lambda: False,
+        should_stop=lambda: False, prove=prove,
     )  # fmt: skip
+
+
+def cheap_search_on(ground: Mission | Problem) -> Context:
+    """The same with the bound of the area alone, where no more is asked than what a search knows."""
+    return search_on(ground, prove_by_area)
 
 
 def hasty_search_on(ground: Mission | Problem) -> Context:

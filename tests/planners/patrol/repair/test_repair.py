@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, box
-from tests.planners.patrol.searching import search_on
+from tests.planners.patrol.searching import cheap_search_on
 
 from rota.check import check_plan
 from rota.check.report import Report
@@ -71,7 +71,7 @@ def test_tight_tours_are_asked_for_hardly_more_in_later_rounds(
     problem: Problem, roomy_and_tight: tuple[Tour, Tour]
 ) -> None:
     def asked(tour: Tour, *, bends: bool) -> list[float]:
-        return [shorter_m(search_on(problem), [tour], turn, bends=bends) / problem.reach_m for turn in (1, 20)]
+        return [shorter_m(cheap_search_on(problem), [tour], turn, bends=bends) / problem.reach_m for turn in (1, 20)]
 
     roomy, tight = roomy_and_tight
     margin = problem.range_margin_m / problem.reach_m
@@ -88,11 +88,13 @@ def test_with_more_effort_tight_tours_keep_less_of_a_margin(
 ) -> None:
     roomy, tight = roomy_and_tight
     high = replace(problem, mission=problem.mission.with_effort("high"))
-    assert with_tight_margin(search_on(problem), [tight]) == problem
-    assert with_tight_margin(search_on(high), [roomy]) == high
-    kept = with_tight_margin(search_on(high), [roomy, tight])
+    assert with_tight_margin(cheap_search_on(problem), [tight]) == problem
+    assert with_tight_margin(cheap_search_on(high), [roomy]) == high
+    kept = with_tight_margin(cheap_search_on(high), [roomy, tight])
     assert 0 < kept.range_margin_m < problem.range_margin_m
-    assert shorter_m(search_on(high), [tight], 1, bends=True) < shorter_m(search_on(problem), [tight], 1, bends=True)
+    assert shorter_m(cheap_search_on(high), [tight], 1, bends=True) < shorter_m(
+        cheap_search_on(problem), [tight], 1, bends=True
+    )
 
 
 @pytest.mark.parametrize(("effort", "rounds"), [("quick", 1), ("high", 3)])
@@ -125,7 +127,7 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(effor
             shown_unmet_demand=np.zeros(0, dtype=np.int64),
         )
 
-    context = search_on(given)
+    context = cheap_search_on(given)
     unbent = replace(context.settings, repair=replace(context.settings.repair, bending_steps=0))
     found = repair_until_feasible(
         replace(context, judge=judge, settings=unbent), [tour], no_points(), may_add=False, rounds=3, annealed=True
@@ -146,7 +148,7 @@ def test_what_is_to_stop_is_judged_as_it_is() -> None:
     given = set_up_problem(mission)
     ring = np.array([[2.0, 2], [12, 2], [12, 12], [2, 12]])
     tour = Tour(vertices_m=ring, period_class=0, period_s=60.0, robots=1, robot=given.robot, component=0)
-    stopped = replace(search_on(given), should_stop=lambda: True)
+    stopped = replace(cheap_search_on(given), should_stop=lambda: True)
     left = repair_until_feasible(stopped, [tour], no_points(), may_add=True, rounds=3)
     assert not left.met  # the middle is out of sight
     np.testing.assert_array_equal(left.tours[0].vertices_m, ring)

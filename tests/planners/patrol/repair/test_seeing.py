@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, box
-from tests.planners.patrol.searching import search_on
+from tests.planners.patrol.searching import cheap_search_on
 
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context
@@ -24,7 +24,7 @@ SCREENS = [box(x, y, x + 3.0, y + 0.5) for x in (2.0, 8.0) for y in (3.0, 8.0)]
 def hall(monkeypatch: pytest.MonkeyPatch) -> Context:
     """A hall with screens, taken for ragged ground."""
     monkeypatch.setattr(ground_problem, "MOST_DENSE", 0)
-    return search_on(
+    return cheap_search_on(
         Mission(
             name="hall",
             area=MultiPolygon([box(0, 0, 14, 12)]),
