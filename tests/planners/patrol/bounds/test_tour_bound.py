@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -12,6 +10,7 @@ from tests.planners.patrol.searching import YARD
 
 from rota.planners.patrol.bounds import tour_bound as tour_bound_module
 from rota.planners.patrol.bounds.length_kernels import LONGEST, Tasks, is_longer
+from rota.planners.patrol.bounds.short_round import robots_on_rounds
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.bounds.tour_bound import spread_out, tour_bound
 from rota.planners.patrol.bounds.witness_points import Witnesses
@@ -143,20 +142,13 @@ def test_nobody_is_asked_about_who_can_go_round_all_places(monkeypatch: pytest.M
         places([tuple(xy) for xy in rng.uniform(0, 10, (n, 2))], 0.5, list(rng.uniform(4, 40, n) / SPEED_M_S))
         for n in rng.integers(1, 6, 24)
     ]
-    enough = [tour_bound_module.robots_on_a_round(witnesses, SPEED_M_S) for witnesses in some]
+    enough = [robots_on_rounds(witnesses, ROBOT) for witnesses in some]
     bounds = [tour_bound(witnesses, ROBOT, 1, 20).robots for witnesses in some]
-    monkeypatch.setattr(tour_bound_module, "robots_on_a_round", lambda *_: np.inf)
+    monkeypatch.setattr(tour_bound_module, "robots_on_rounds", lambda *_: np.inf)
     assert [tour_bound(witnesses, ROBOT, 1, 20).robots for witnesses in some] == bounds
     pairs = list(zip(enough, bounds, strict=True))
     assert all(known >= proved for known, proved in pairs)
     assert sum(known == proved for known, proved in pairs) >= 8
-
-
-def test_robots_go_round_places_only_where_there_are_ways() -> None:
-    square = places([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)], 1.0, [20.1 / SPEED_M_S] * 4)
-    assert tour_bound_module.robots_on_a_round(square, SPEED_M_S) == 2
-    parts = replace(square, component=np.array([0, 0, 1, 1]))
-    assert tour_bound_module.robots_on_a_round(parts, SPEED_M_S) == np.inf
 
 
 def test_what_is_proved_before_a_stop_is_kept() -> None:

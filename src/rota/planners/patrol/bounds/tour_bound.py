@@ -18,7 +18,6 @@ that it needs L for ever. The windows before and after bind what robots do befor
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -27,10 +26,10 @@ from numpy.typing import NDArray
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.length_kernels import Tasks
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.bounds.short_round import robots_on_rounds
 from rota.planners.patrol.bounds.tour_kernels import IMPOSSIBLE, search_orders
 from rota.planners.patrol.bounds.witness_points import Witnesses
 from rota.planners.patrol.tolerances import SURELY
-from rota.planners.patrol.tours.visiting_order import short_order
 from rota.planners.patrol.verdict import robots_in_words
 
 Floats = NDArray[np.float64]
@@ -48,27 +47,14 @@ def tour_bound(
     proofs take five, so that each is tried with few first. Teams of more than MOST_ROBOTS have too many orders, and are
     not asked about; nor are those that surely do.
     """
-    robots, speed_m_s = least, robot.ground_speed_m_s
-    most = min(MOST_ROBOTS + 1.0, robots_on_a_round(witnesses, speed_m_s))
-    moments = list(moments_of(witnesses, speed_m_s)) if robots < most else []
+    robots, most = least, min(MOST_ROBOTS + 1.0, robots_on_rounds(witnesses, robot))
+    moments = list(moments_of(witnesses, robot.ground_speed_m_s)) if robots < most else []
     while robots < most and cannot_do(robots, moments, most_states, should_stop):
         robots += 1
     return ProvedBound(
         robots=robots,
         reason=f"about some moment {robots_in_words(robots - 1)} cannot pass all of {len(witnesses)} places in time",
     )
-
-
-def robots_on_a_round(witnesses: Witnesses, speed_m_s: float) -> float:
-    """How many robots surely serve all places: they go round a short tour past all centres, evenly spaced.
-
-    Infinitely many where there is no way from each place to each.
-    """
-    if not len(witnesses) or not np.isfinite([witnesses.apart_m, witnesses.way_m]).all():
-        return math.inf
-    order = short_order(witnesses.way_m)
-    round_m = float(witnesses.way_m[order, np.roll(order, -1)].sum())
-    return max(1, math.ceil(round_m / (float(witnesses.period_s.min()) * speed_m_s)))
 
 
 def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int, should_stop: Callable[[], bool]) -> bool:
