@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,6 +33,12 @@ YARD = Mission(
 FIELD = replace(YARD, obstacles=(), zones=(), area=MultiPolygon([box(0, 0, 100, 59)]), period_s=45)
 
 
+@cache
+def planned_field(method: Method) -> rota.Plan:
+    """The plan of the field, made once for all tests of this file."""
+    return planned(FIELD, method)
+
+
 def planned(mission: Mission, method: Method) -> rota.Plan:
     plan = rota.make_plan(mission.with_method(method))
     report = rota.check_plan(plan)
@@ -51,7 +58,7 @@ def test_a_yard_with_an_obstacle_and_two_zones_is_met(method: Method) -> None:
 
 
 def test_sequential_robots_follow_each_other_on_one_route() -> None:
-    plan = planned(FIELD, "sequential")
+    plan = planned_field("sequential")
     (loop,) = distinct_loops(plan)
     robots = len(plan.trajectories)
     assert robots == int(np.ceil(loop.loop_length_m / (4 * 45)))  # as many as the period asks, none to spare
@@ -60,7 +67,7 @@ def test_sequential_robots_follow_each_other_on_one_route() -> None:
 
 @pytest.mark.parametrize("method", ["parallel", "decomposition"])
 def test_robots_have_loops_and_ground_of_their_own(method: Method) -> None:
-    plan = planned(FIELD, method)
+    plan = planned_field(method)
     assert len(distinct_loops(plan)) == len(plan.trajectories) <= 6
     hulls = []
     for one in plan:
@@ -72,7 +79,7 @@ def test_robots_have_loops_and_ground_of_their_own(method: Method) -> None:
 
 
 def test_parallel_lanes_have_one_direction() -> None:
-    plan = planned(FIELD, "parallel")
+    plan = planned_field("parallel")
     steps = np.vstack([np.diff(one.positions_m, axis=0) for one in plan])
     long = steps[np.hypot(*steps.T) > 20]
     turn = np.arctan2(long[:, 1], long[:, 0]) % np.pi
@@ -106,7 +113,7 @@ def test_a_lane_too_long_for_one_robot_is_cut_into_pieces(method: Method) -> Non
 
 @pytest.mark.parametrize("method", TRADITIONAL)
 def test_the_same_seed_gives_the_same_plan(method: Method) -> None:
-    assert rota.make_plan(FIELD.with_method(method)) == rota.make_plan(FIELD.with_method(method))
+    assert rota.make_plan(FIELD.with_method(method)) == planned_field(method)
 
 
 def test_too_few_robots_are_told_with_the_bound() -> None:
