@@ -38,12 +38,14 @@ class Sampled:
         seen = np.zeros((len(times_s), len(points_m)), np.bool_)
         for driven in plan.seam.driven:
             own = np.flatnonzero(before >= driven.times_s[0])
+            own = own[[not any(one.from_s <= now_s < one.until_s for one in driven.charges) for now_s in before[own]]]
             at_m = places_driven(driven, before[own])
             seen[own] |= sights(points_m, driven.sensor, at_m, plan.mission, more_m)
         ways = [places_along(line, after) for line in plan]
         for line, at_m in zip(plan, ways, strict=True):
             sensor = plan.mission.fleet.robot(line.robot).sensor
-            seen[len(before) :] |= sights(points_m, sensor, at_m, plan.mission, more_m)
+            away = np.flatnonzero(~docked_along(line, after))
+            seen[len(before) + away] |= sights(points_m, sensor, at_m[away], plan.mission, more_m)
         last_seen_s = np.maximum.accumulate(np.where(seen, times_s[:, None], since_s), axis=0)
         if periods_s is None:
             periods_s = np.array([period_at(plan.mission, point) for point in points_m])
@@ -94,12 +96,21 @@ def places_driven(driven: Driven, times_s: Floats) -> Floats:
     return np.column_stack([np.interp(times_s, driven.times_s, driven.positions_m[:, axis]) for axis in (0, 1)])
 
 
+def first_round(line: Trajectory, times_s: Floats) -> Floats:
+    """The times (t,) in its first round at which a robot does what it does at these."""
+    begins_s, lasts_s = line.loop_start_s, float(line.times_s[-1]) - line.loop_start_s
+    return np.where((times_s > begins_s) & (lasts_s > 0), begins_s + (times_s - begins_s) % (lasts_s or 1.0), times_s)
+
+
+def docked_along(line: Trajectory, times_s: Floats) -> NDArray[np.bool_]:
+    """Whether a robot is on a charger (t,), where it sees nothing; at its end it stays there for ever."""
+    asked_s = np.minimum(first_round(line, times_s), np.nextafter(line.times_s[-1], 0))
+    return np.array([any(one.from_s <= now_s < one.until_s for one in line.charges) for now_s in asked_s], np.bool_)
+
+
 def places_along(line: Trajectory, times_s: Floats) -> Floats:
     """Where a robot is (t, 2); it drives at constant speeds."""
-    begins_s, lasts_s = line.loop_start_s, float(line.times_s[-1]) - line.loop_start_s
-    asked_s = np.where(
-        (times_s > begins_s) & (lasts_s > 0), begins_s + (times_s - begins_s) % (lasts_s or 1.0), times_s
-    )
+    asked_s = first_round(line, times_s)
     return np.column_stack([np.interp(asked_s, line.times_s, line.positions_m[:, axis]) for axis in (0, 1)])
 
 

@@ -19,8 +19,8 @@ class Battery:
 
     From ``again_s`` on its levels repeat every ``round_s``; 0: they do not.
 
-    A loop that begins at time 0 has the levels of its second round from the beginning on: they repeat, and are no
-    higher than those of the first, which begins with a full battery even in the midst of a flight.
+    A loop that begins at time 0 with a full battery has the levels of its second round from the beginning on: they
+    repeat, and are no higher than those of the first, which begins so even in the midst of a flight.
     """
 
     def __init__(self, plan: Plan, trajectory: Trajectory, robot: Robot) -> None:
@@ -29,7 +29,7 @@ class Battery:
         self.reserve_s = robot.battery.reserve_s
         self._times_s, self._levels_s = levels.times_s, levels.levels_s
         self.round_s, self._late_s = trajectory.loop_duration_s, 0.0
-        if trajectory.loop_start_s == 0:
+        if trajectory.loop_start_s == 0 and trajectory.battery == 1:
             self._late_s = self.round_s
         self.again_s = trajectory.loop_start_s + self.round_s - self._late_s
 

@@ -1,15 +1,16 @@
 """Batteries over a plan's rounds: how full each is, who charges where, and how many robots a charger has at once.
 
-All robots begin with full batteries. A round makes min(c, b + d) of the level b that it begins with: what it charges
-less what it takes, d, and never more than some level c, since batteries do not overflow. So levels at the beginning of
-rounds either fall by -d each time, or are the same from the second round on: two rounds tell them for ever.
+Robots begin with batteries as the plan tells. A round makes min(c, b + d) of the level b that it begins with: what it
+charges less what it takes, d, and never more than some level c, since batteries do not overflow. So levels at the
+beginning of rounds fall by -d each time, are the same from the second round on, or rise until they are: two rounds tell
+the least.
 """
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +20,7 @@ from rota.check.report import Violation, violation
 from rota.check.routes import Routes, commensurable_classes
 from rota.check.tolerances import BATTERY_S, SAME_TIME, STILL_M, TOUCH_M
 from rota.model.mission import Charger, Robot
-from rota.model.plan import Plan, Trajectory
+from rota.model.plan import Charge, Driven, Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
@@ -36,6 +37,22 @@ class Levels:
     times_s: Floats
     levels_s: Floats
     falls_s: float
+
+    def at(self, time_s: float, trajectory: Trajectory) -> float:
+        """The level at a moment of the trajectory, in any round; where levels rise from round to round, no more."""
+        lasts_s, rounds = trajectory.loop_duration_s, 0.0
+        if lasts_s > 0:
+            rounds = max(0.0, math.floor((time_s - trajectory.loop_start_s) / lasts_s) - 1.0)
+        level_s = float(np.interp(time_s - rounds * lasts_s, self.times_s, self.levels_s))
+        return level_s - max(0.0, self.falls_s) * rounds
+
+
+def docked_rows(times_s: Floats, charges: Sequence[Charge]) -> NDArray[np.bool_]:
+    """Which legs (n - 1,) between times (n,) are spent at a charger."""
+    docked = np.zeros(len(times_s) - 1, np.bool_)
+    for charge in charges:
+        docked |= (times_s[:-1] >= charge.from_s) & (times_s[1:] <= charge.until_s)
+    return docked
 
 
 def docked_legs(plan: Plan, routes: Routes) -> NDArray[np.bool_]:
@@ -69,47 +86,85 @@ def undocked_routes(routes: Routes, plan: Plan) -> Routes:
     )
 
 
-def battery_levels(trajectory: Trajectory, robot: Robot, chargers: dict[str, Charger]) -> Levels:
-    """How full the battery of a robot is that has an endurance; see ``Levels``."""
-    battery, times_s = robot.battery, trajectory.times_s
-    endurance_s = battery.endurance_s or math.inf
-    ways_m = np.hypot(*np.diff(trajectory.positions_m[:, :2], axis=0).T)
-    standing = endurance_s / (battery.standing_endurance_s or endurance_s)
-    used_s = np.where(ways_m > STILL_M, 1.0, standing) * np.diff(times_s)
-    told_s, levels_s, rounds_s = [np.zeros(1)], [np.full(1, endurance_s)], []
-    stood: tuple[str, float] = ("", 0.0)  # at which charger, and how long
-    first, last = trajectory.loop_index, len(times_s) - 1
+def battery_levels(
+    trajectory: Trajectory, robot: Robot, chargers: dict[str, Charger], driven: Driven | None = None
+) -> Levels:
+    """How full the battery of a robot is that has an endurance; see ``Levels``. driven: before the plan took over."""
+    follows = _Follower(robot, chargers)
+    if driven is not None:  # a swap may be under way
+        follows.drive(driven, 0, len(driven.times_s) - 1, 0.0)
+    follows.begin(trajectory)
+    rounds_s, first, last = [], trajectory.loop_index, len(trajectory.times_s) - 1
     for turn, (low, high) in enumerate(((0, first), (first, last), (first, last))):
-        late_s = trajectory.loop_duration_s if turn == 2 else 0.0
-        for begin, end, charge in _stretches(trajectory, low, high):
-            level_s, begin_s, end_s = levels_s[-1][-1], times_s[begin] + late_s, times_s[end] + late_s
-            if charge is None:
-                stood = ("", 0.0)
-                told_s.append(times_s[begin + 1 : end + 1] + late_s)
-                levels_s.append(level_s - np.cumsum(used_s[begin:end]))
-                continue
-            before_s = stood[1] if stood[0] == charge else 0.0
-            stood = (charge, before_s + end_s - begin_s)
-            full_s = begin_s + _full_after_s(level_s, robot, chargers[charge], before_s)
-            charged_s = (end_s - begin_s) * endurance_s / (battery.recharge_s or math.inf)
-            if chargers[charge].swap_s is not None:
-                charged_s = 0.0
-            if full_s < end_s:  # a swap fills it all at once
-                before_it_s = level_s if chargers[charge].swap_s is not None else endurance_s
-                told_s.append(np.full(2, full_s))
-                levels_s.append(np.array([before_it_s, endurance_s]))
-                level_s, charged_s = endurance_s, 0.0
-            told_s.append(np.full(1, end_s))
-            levels_s.append(np.full(1, level_s + charged_s))
-        rounds_s.append(float(levels_s[-1][-1]))
+        follows.drive(trajectory, low, high, trajectory.loop_duration_s if turn == 2 else 0.0)
+        rounds_s.append(follows.level_s)
     falls_s = rounds_s[1] - rounds_s[2]
-    return Levels(times_s=np.concatenate(told_s), levels_s=np.concatenate(levels_s), falls_s=falls_s)
+    return Levels(times_s=np.concatenate(follows.times_s), levels_s=np.concatenate(follows.levels_s), falls_s=falls_s)
 
 
-def _stretches(trajectory: Trajectory, low: int, high: int) -> Iterator[tuple[int, int, str | None]]:
+def level_after_s(driven: Driven, robot: Robot, chargers: dict[str, Charger], until_s: float = 0.0) -> float:
+    """The level that a battery has at a moment of what was driven before a plan took over, in seconds of driving."""
+    follows = _Follower(robot, chargers)
+    follows.begin(driven)
+    follows.drive(driven, 0, len(driven.times_s) - 1, 0.0)
+    return float(np.interp(until_s, np.concatenate(follows.times_s), np.concatenate(follows.levels_s)))
+
+
+class _Follower:
+    """A robot's battery as it is driven: times_s and levels_s in pieces, and at which charger it stands how long."""
+
+    def __init__(self, robot: Robot, chargers: dict[str, Charger]) -> None:
+        self._robot, self._chargers = robot, chargers
+        self._full_s = robot.battery.endurance_s or math.inf
+        self._stood: tuple[str, float] = ("", 0.0)
+        self.times_s, self.levels_s = [np.zeros(1)], [np.full(1, self._full_s)]
+
+    @property
+    def level_s(self) -> float:
+        """What is left."""
+        return float(self.levels_s[-1][-1])
+
+    def begin(self, way: Trajectory | Driven) -> None:
+        """Take the level that the way begins with."""
+        self.times_s, self.levels_s = [way.times_s[:1]], [np.full(1, self._full_s * way.battery)]
+
+    def drive(self, way: Trajectory | Driven, low: int, high: int, late_s: float) -> None:
+        """Follow the legs of a way from one index to another, driven so much later."""
+        battery, times_s = self._robot.battery, way.times_s
+        ways_m = np.hypot(*np.diff(way.positions_m[:, :2], axis=0).T)
+        standing = self._full_s / (battery.standing_endurance_s or self._full_s)
+        used_s = np.where(ways_m > STILL_M, 1.0, standing) * np.diff(times_s)
+        for begin, end, charge in _stretches(way, low, high):
+            if charge is None:
+                self._stood = ("", 0.0)
+                level_s = self.level_s
+                self.times_s.append(times_s[begin + 1 : end + 1] + late_s)
+                self.levels_s.append(level_s - np.cumsum(used_s[begin:end]))
+            else:
+                self._charge(charge, float(times_s[begin] + late_s), float(times_s[end] + late_s))
+
+    def _charge(self, charge: str, begin_s: float, end_s: float) -> None:
+        """Follow a stay at a charger."""
+        level_s, charger = self.level_s, self._chargers[charge]
+        before_s = self._stood[1] if self._stood[0] == charge else 0.0
+        self._stood = (charge, before_s + end_s - begin_s)
+        full_s = begin_s + _full_after_s(level_s, self._robot, charger, before_s)
+        charged_s = (end_s - begin_s) * self._full_s / (self._robot.battery.recharge_s or math.inf)
+        if charger.swap_s is not None:
+            charged_s = 0.0
+        if full_s < end_s:  # a swap fills it all at once
+            before_it_s = level_s if charger.swap_s is not None else self._full_s
+            self.times_s.append(np.full(2, full_s))
+            self.levels_s.append(np.array([before_it_s, self._full_s]))
+            level_s, charged_s = self._full_s, 0.0
+        self.times_s.append(np.full(1, end_s))
+        self.levels_s.append(np.full(1, level_s + charged_s))
+
+
+def _stretches(way: Trajectory | Driven, low: int, high: int) -> Iterator[tuple[int, int, str | None]]:
     """The legs from one index to another, cut where charges begin and end: from, to, and at which charger."""
-    for charge in trajectory.charges:
-        begin, end = (int(k) for k in np.searchsorted(trajectory.times_s, (charge.from_s, charge.until_s)))
+    for charge in way.charges:
+        begin, end = (int(k) for k in np.searchsorted(way.times_s, (charge.from_s, charge.until_s)))
         begin, end = max(begin, low), min(end, high)
         if begin < end:
             if low < begin:
@@ -129,19 +184,35 @@ def _full_after_s(level_s: float, robot: Robot, charger: Charger, stood_s: float
 
 
 def charging_violations(plan: Plan) -> list[Violation]:
-    """Batteries below their reserve, charges away from chargers, and chargers with more robots than places."""
+    """Batteries below their reserve, charges away from chargers, and chargers with more robots than places.
+
+    A plan that took over is judged with what was driven before: batteries are no fuller than that leaves them.
+    """
     if not any(plan.mission.fleet.robot(one.robot).battery.endurance_s or one.charges for one in plan):
         return []
     chargers = {charger.name: charger for charger in plan.mission.chargers}
-    violations = [found for one in plan for found in _away_from_charger(one, chargers)]
+    before = {one.robot: one for one in (() if plan.seam is None else plan.seam.driven)}
+    violations = [found for one in (*plan, *before.values()) for found in _away_from_charger(one, chargers)]
     for one in plan:
-        robot = plan.mission.fleet.robot(one.robot)
-        if robot.battery.endurance_s is not None:
-            violations += _below_reserve(one, robot, battery_levels(one, robot, chargers))
+        robot, driven = plan.mission.fleet.robot(one.robot), before.get(one.robot)
+        if robot.battery.endurance_s is None:
+            continue
+        violations += _below_reserve(one, robot, battery_levels(one, robot, chargers, driven))
+        if driven is not None:
+            violations += _fuller_than_driven(one, robot, level_after_s(driven, robot, chargers))
     return violations + _too_many_at_once(plan, chargers)
 
 
-def _away_from_charger(trajectory: Trajectory, chargers: dict[str, Charger]) -> list[Violation]:
+def _fuller_than_driven(trajectory: Trajectory, robot: Robot, left_s: float) -> list[Violation]:
+    """A battery that is told to be fuller where the plan takes over than what was driven before leaves it."""
+    told_s = trajectory.battery * (robot.battery.endurance_s or math.inf)
+    if told_s <= left_s + BATTERY_S:
+        return []
+    kind: ViolationKind = "battery fuller than what was driven leaves"
+    return [violation(kind, trajectory.robot, trajectory.positions_m[0, :2], 0.0, told_s, left_s, "s")]
+
+
+def _away_from_charger(trajectory: Trajectory | Driven, chargers: dict[str, Charger]) -> list[Violation]:
     """The first moment of each charge at which the robot is not at its charger."""
     found = []
     for charge in trajectory.charges:
@@ -170,8 +241,10 @@ def _below_reserve(trajectory: Trajectory, robot: Robot, levels: Levels) -> list
         return [violation(kind, trajectory.robot, end_m, end_s + max(left_s, 0.0) * standing, 0.0, reserve_s, "s")]
     if len(low):
         k = int(low[0])
-        share = (levels.levels_s[k - 1] - reserve_s) / (levels.levels_s[k - 1] - levels.levels_s[k])
-        time_s = float(levels.times_s[k - 1] + max(share, 0.0) * (levels.times_s[k] - levels.times_s[k - 1]))
+        time_s = float(levels.times_s[k])
+        if k:
+            share = (levels.levels_s[k - 1] - reserve_s) / (levels.levels_s[k - 1] - levels.levels_s[k])
+            time_s = float(levels.times_s[k - 1] + max(share, 0.0) * (time_s - levels.times_s[k - 1]))
         rises = np.flatnonzero(np.diff(levels.levels_s[k:]) > 0)
         least_s = levels.levels_s[k : k + int(rises[0]) + 1 if len(rises) else None].min()
         return [violation(kind, trajectory.robot, trajectory.at(time_s), time_s, least_s, reserve_s, "s")]

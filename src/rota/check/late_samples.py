@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check import lateness_kernels
+from rota.check.charging import docked_rows, undocked_routes
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.late_report import ForEver, LateSample
 from rota.check.pieces import point_pieces, quarter
@@ -58,7 +59,7 @@ def sample_loops(plan: Plan, most_points: int) -> tuple[ForEver, ...]:
 def _sample_loops(plan: Plan, most_points: int) -> tuple[tuple[ForEver, ...], dict[int, tuple[Floats, Floats]]]:
     """The same, and of each demand the points (n, 2) that are seen, with the ground (n,) that each stands for."""
     mission = plan.mission
-    routes = seeing_routes(routes_of(plan), plan)
+    routes = seeing_routes(undocked_routes(routes_of(plan), plan), plan)
     sights, demands = sights_along(routes, sensors_of(plan), mission, mission.area.bounds), demands_of(mission)
     for_ever, points = list[ForEver](), dict[int, tuple[Floats, Floats]]()
     for k, demand in enumerate(demands):
@@ -103,7 +104,7 @@ def _reach_m(sights: Sights) -> float:
 
 def sights_across(plan: Plan, seam: Seam) -> Sights | None:
     """What is seen after the change until all is seen again, with what was seen before; None: by too many legs."""
-    routes, bounds_m = seeing_routes(routes_of(plan), plan), plan.mission.area.bounds
+    routes, bounds_m = seeing_routes(undocked_routes(routes_of(plan), plan), plan), plan.mission.area.bounds
     # whatever a robot sees in its loop it sees again within one
     to_s = routes.from_s + float(routes.durations_s.max(initial=0.0))
     turns = _turns(routes, to_s)
@@ -155,10 +156,11 @@ def _routes_before(seam: Seam) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]
         xy, t = driven.positions_m, driven.times_s
         if len(t) == 1:
             xy, t = np.vstack([xy, xy]), np.append(t, t)
-        legs.append(np.hstack([xy[:-1], xy[1:]]))
-        times.append(np.stack([t[:-1], t[1:]], axis=1))
-        bends.append(driven.bends if len(driven.times_s) > 1 else np.zeros(1))
-        robots.append(np.full(len(t) - 1, k, np.int64))
+        away = ~docked_rows(t, driven.charges)
+        legs.append(np.hstack([xy[:-1], xy[1:]])[away])
+        times.append(np.stack([t[:-1], t[1:]], axis=1)[away])
+        bends.append((driven.bends if len(driven.times_s) > 1 else np.zeros(1))[away])
+        robots.append(np.full(np.count_nonzero(away), k, np.int64))
     sensors, count = [driven.sensor for driven in seam.driven], len(seam.driven)
     reaches = [one.radius_m if isinstance(one, DiscSensor) else one.side_m / 2 for one in sensors]
     routes = routes_driven(np.vstack(legs), np.vstack(times), np.concatenate(bends), np.concatenate(robots), count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,6 +38,12 @@ def replan(
     late: Annotated[
         list[str] | None, typer.Option(metavar="NAME=S", help="A robot that has driven all S seconds late.")
     ] = None,
+    battery: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=SHARE", help="How full a battery is, 0 to 1, if a new robot's is not full, or less."
+        ),
+    ] = None,
     mission: Annotated[
         Path | None, typer.Option(metavar="CHANGED", help="The mission as it is now; default as in the plan.")
     ] = None,
@@ -45,18 +52,39 @@ def replan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
 ) -> None:
-    """Replan from a moment on, with robots lost, new or late.
-
-    The first plan is written within moments, and each better one in its place.
-    """
+    """Replan from a moment on, with robots lost, new or late; each better plan takes the place of the last."""
     require_target(output, source=plan)
     before = read_plan_argument(plan)
     changed = None if mission is None else _changed_mission(mission)
-    lost_ones, joined_ones, late_ones = lost or [], _places(joined or []), _seconds(late or [])
+    shares = _numbers(battery or [], "--battery", "SHARE", "robot-6=0.4")
+    lost_ones, joined_ones, late_ones = (
+        lost or [],
+        _places(joined or []),
+        _numbers(late or [], "--late", "S", "robot-2=8"),
+    )
     asked = changed or before.mission
     mention_compiling(*compiled_packages(asked))
     from rota.replanning.replan import replan as search
 
+    with stop_on_interrupt(lambda by: say(f"stopping, by {by}")) as stop:
+        try:
+            with progress_bar() as bar:
+                found = search(
+                    before, at_s=at, lost=lost_ones, joined=joined_ones, late=late_ones, mission=changed,
+                    battery=shares, seed=seed, time_limit_s=time_limit, should_stop=stop, progress=bar.show,
+                    on_better=_teller(output),
+                )  # fmt: skip
+        except NoPlanFound as failure:
+            say(f"no plan: {failure}")
+            raise typer.Exit(stop.exit_code or NO_PLAN) from None
+    if output == STANDARD_STREAM:
+        write_or_print(found.plan, output, meets_demand=found.meets_demand)
+    _show(found, output)
+    raise typer.Exit(stop.exit_code or (DONE if found.meets_demand else VIOLATED))
+
+
+def _teller(output: str) -> Callable[[Replanned], None]:
+    """What writes each plan that is better than the last, and tells how late it is."""
     began_s = time.monotonic()
 
     def tell(found: Replanned) -> None:
@@ -66,20 +94,7 @@ def replan(
         told = "" if late_now is None else late_now.lines()[0].partition(": ")[2]
         say(f"after {time.monotonic() - began_s:.1f} s: {found.report.verdict}; {told}")
 
-    with stop_on_interrupt(lambda by: say(f"stopping, by {by}")) as stop:
-        try:
-            with progress_bar() as bar:
-                found = search(
-                    before, at_s=at, lost=lost_ones, joined=joined_ones, late=late_ones, mission=changed, seed=seed,
-                    time_limit_s=time_limit, should_stop=stop, progress=bar.show, on_better=tell,
-                )  # fmt: skip
-        except NoPlanFound as failure:
-            say(f"no plan: {failure}")
-            raise typer.Exit(stop.exit_code or NO_PLAN) from None
-    if output == STANDARD_STREAM:
-        write_or_print(found.plan, output, meets_demand=found.meets_demand)
-    _show(found, output)
-    raise typer.Exit(stop.exit_code or (DONE if found.meets_demand else VIOLATED))
+    return tell
 
 
 def _changed_mission(path: Path) -> Mission:
@@ -127,14 +142,14 @@ def _places(given: list[str]) -> dict[str, tuple[float, float]]:
     return places
 
 
-def _seconds(given: list[str]) -> dict[str, float]:
-    """Robots and seconds of NAME=S."""
+def _numbers(given: list[str], option: str, unit: str, such: str) -> dict[str, float]:
+    """Robots and numbers of NAME=S, or another letter."""
     late = {}
     for text in given:
         name, _, seconds = text.rpartition("=")
         if not name:
-            raise RotaError(f"--late: {text!r} is not allowed; NAME=S is needed, such as robot-2=8")
-        late[name] = _number("--late", text, seconds)
+            raise RotaError(f"{option}: {text!r} is not allowed; NAME={unit} is needed, such as {such}")
+        late[name] = _number(option, text, seconds)
     return late
 
 

@@ -125,7 +125,8 @@ def _known_blocks() -> dict[Any, Block | Field]:
         ),
     }  # fmt: skip
     for kind, makes in (
-        (GeoPoint, GeoPoint), (Lane, Lane), (Charger, Charger), (MovingObstacle, MovingObstacle), (RunEnd, RunEnd),
+        (GeoPoint, GeoPoint), (Lane, Lane), (Charger, Charger), (Charge, Charge),
+        (MovingObstacle, MovingObstacle), (RunEnd, RunEnd),
         (Obstacle, Obstacle), (Zone, Zone), (Robot, partial(make, Robot)),
         (Kind, partial(make, Kind)), (Fleet, _fleet),
         (Driven, partial(make, Driven)), (Seam, Seam),

@@ -143,11 +143,12 @@ class Plan:
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, planning.makes_runs)
         known = [charger.name for charger in self.mission.chargers]
-        for trajectory in self.trajectories:
-            for k, charge in enumerate(trajectory.charges):
+        ways: list[Trajectory | Driven] = [*self.trajectories, *(() if self.seam is None else self.seam.driven)]
+        for way in ways:
+            for k, charge in enumerate(way.charges):
                 if charge.charger not in known:
                     raise PlanError(
-                        f"robot {trajectory.robot}: charges[{k}].charger: {charge.charger!r} is not allowed; the"
+                        f"robot {way.robot}: charges[{k}].charger: {charge.charger!r} is not allowed; the"
                         f" mission has {', '.join(map(repr, known)) or 'no chargers'}"
                     )
 

@@ -14,7 +14,7 @@ from rota.model.fields import field_of
 from rota.model.fleet import Sensor
 from rota.model.limits import LONGEST_S
 from rota.model.mission import Obstacle
-from rota.model.trajectory import PLACES, Floats, Place, bends_of, freeze
+from rota.model.trajectory import PLACES, SHARE, Charge, Floats, Place, bends_of, freeze, require_battery
 
 BEFORE: dict[str, Any] = {"least": -LONGEST_S, "most": 0}
 
@@ -24,8 +24,9 @@ class Driven:
     """What one robot drove before a plan took over, at which the plan's clock is 0.
 
     times_s: (n,) seconds, rising; the last is 0, or when it was lost in a change before. positions_m: (n, 2).
-    sensor: what it saw with. accelerations_m_s2: as a ``Trajectory`` has them. Raises PlanError for other shapes,
-    numbers that are not finite, times that do not rise.
+    sensor: what it saw with. accelerations_m_s2, charges: as a ``Trajectory`` has them. battery: 0 to 1, how full its
+    battery was at the first time. Raises PlanError for other shapes, numbers that are not finite, times that do not
+    rise.
     """
 
     robot: str = field_of(key="name", count=((1, None),))
@@ -40,6 +41,8 @@ class Driven:
         newer=True,
         spared=True,
     )
+    charges: tuple[Charge, ...] = field_of((), "stays at chargers", count=((0, None),), newer=True, spared=True)
+    battery: float = field_of(1.0, "how full it was at the first time; absent: full", **SHARE)
 
     def __post_init__(self) -> None:
         for name in ("times_s", "positions_m", "accelerations_m_s2"):
@@ -58,6 +61,8 @@ class Driven:
             raise PlanError(f"{who}: times_s ends at {times[-1]}; the last must be 0, when the plan takes over")
         if any(before >= after for before, after in pairwise(times.tolist())):
             raise PlanError(f"{who}: times_s must rise")
+        object.__setattr__(self, "charges", tuple(self.charges))
+        require_battery(who, times, self.charges, self.battery)
 
     @property
     def bends(self) -> Floats:
@@ -67,7 +72,8 @@ class Driven:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Driven):
             return NotImplemented
-        same = (self.robot, self.sensor) == (other.robot, other.sensor) and np.array_equal(self.bends, other.bends)
+        told = [(one.robot, one.sensor, one.charges, one.battery) for one in (self, other)]
+        same = told[0] == told[1] and np.array_equal(self.bends, other.bends)
         return (
             same and np.array_equal(self.times_s, other.times_s) and np.array_equal(self.positions_m, other.positions_m)
         )

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 Place = tuple[float, float]
 PLACES: dict[str, Any] = {"least": -LARGEST_M, "most": LARGEST_M}
 TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}
+STAYS: dict[str, Any] = {"least": -LONGEST_S, "most": LONGEST_S}
+SHARE: dict[str, Any] = {"least": 0, "most": 1, "newer": True, "spared": True}
 
 BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
 
@@ -35,6 +37,21 @@ def bends_of(times_s: Floats, positions_m: Floats, accelerations_m_s2: Floats | 
     lengths = np.sqrt((np.diff(positions_m, axis=0) ** 2).sum(axis=1))
     swept = accelerations_m_s2 * np.diff(times_s) ** 2 / 2
     return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
+
+
+def require_battery(who: str, times_s: Floats, charges: tuple[Charge, ...], battery: float) -> None:
+    """Raise PlanError for charges that overlap, or begin or end between two of the times, and for no share of 1."""
+    if not 0 <= battery <= 1:
+        raise PlanError(f"{who}: battery = {battery!r}; 0 (empty) to 1 (full) is needed")
+    ended_s = float(times_s[0])
+    for k, charge in enumerate(charges):
+        ends = (charge.from_s, charge.until_s)
+        if charge.from_s < ended_s or not np.isin(ends, times_s).all():
+            raise PlanError(
+                f"{who}: charges[{k}] goes from {ends[0]} to {ends[1]}; both must be times of the trajectory, from"
+                f" {ended_s} on"
+            )
+        ended_s = charge.until_s
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,14 +96,17 @@ class Waypoints:
 
 @dataclass(frozen=True, kw_only=True)
 class Charge:
-    """A stay at a charger, between two of a trajectory's times. Raises PlanError for one that does not end later."""
+    """A stay at a charger, between two of the times of a way; below 0 before a plan took over from another one.
+
+    Raises PlanError for one that does not end later.
+    """
 
     charger: str = field_of(meaning="its name", count=((1, None),))
-    from_s: float = field_of(**TIMES)
-    until_s: float = field_of(**TIMES)
+    from_s: float = field_of(**STAYS)
+    until_s: float = field_of(**STAYS)
 
     def __post_init__(self) -> None:
-        if not 0 <= self.from_s < self.until_s <= LONGEST_S:
+        if not -LONGEST_S <= self.from_s < self.until_s <= LONGEST_S:
             raise PlanError(
                 f"charge: from_s {self.from_s}, until_s {self.until_s}; must be times, the second one later"
             )
@@ -101,7 +121,7 @@ class Trajectory:
     constant speeds. A leg of length L in the time T with the acceleration a begins at the speed L / T - a T / 2 and
     ends at L / T + a T / 2; neither is below 0. waypoints: what its autopilot is told; None: the legs themselves.
     charges: its stays at chargers, each from one of the times to another, in their order; one that goes on across the
-    loop's seam is told in two.
+    loop's seam is told in two. battery: 0 (empty) to 1, how full its battery is at the first time.
     ``loop_start_s`` is one of the times: equal to the last, the robot stays where it is; otherwise the position then
     equals the last position exactly and the robot repeats from there.
 
@@ -125,6 +145,7 @@ class Trajectory:
     charges: tuple[Charge, ...] = field_of(
         (), "stays at chargers, one after the other", count=((0, None),), newer=True, spared=True
     )
+    battery: float = field_of(1.0, "how full it is at the first time; absent: full", **SHARE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "times_s", freeze(self.times_s))
@@ -173,20 +194,8 @@ class Trajectory:
                 f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
             )
         self._require_forward()
-        self._require_ordered_charges()
-
-    def _require_ordered_charges(self) -> None:
-        """Raise PlanError for charges that overlap, or begin or end between two of the times."""
         object.__setattr__(self, "charges", tuple(self.charges))
-        ended_s = 0.0
-        for k, charge in enumerate(self.charges):
-            ends = (charge.from_s, charge.until_s)
-            if charge.from_s < ended_s or not np.isin(ends, self.times_s).all():
-                raise PlanError(
-                    f"robot {self.robot}: charges[{k}] goes from {ends[0]} to {ends[1]}; both must be times of the"
-                    f" trajectory, from {ended_s} on"
-                )
-            ended_s = charge.until_s
+        require_battery(f"robot {self.robot}", times, self.charges, self.battery)
 
     def _require_forward(self) -> None:
         """Raise PlanError for accelerations that are no numbers, or with which a leg would begin or end backwards."""
@@ -254,7 +263,7 @@ class Trajectory:
             and same_headings
             and np.array_equal(self.bends, other.bends)
             and self.waypoints == other.waypoints
-            and self.charges == other.charges
+            and (self.charges, self.battery) == (other.charges, other.battery)
         )
 
     @property

@@ -65,7 +65,8 @@ class Handover:
     going_on: what robots that remain would drive from then on by the plan before, by their names. loops: whose rounds
     are to be shared among those that remain; the clock of all is 0 at that moment. lateness: how late a plan is; less
     is better. most: ways to share them that are worked out. importance: of what depends on each of the loops, by name,
-    where that differs: rounds of what is less important may be left out; empty: all are as important.
+    where that differs: rounds of what is less important may be left out; empty: all are as important. batteries: how
+    full they are, 0 to 1, by name.
     """
 
     mission: Mission
@@ -77,6 +78,7 @@ class Handover:
     lateness: Callable[[Plan], tuple[float, ...]]
     most: int
     importance: Mapping[str, float] = field(default_factory=dict)
+    batteries: Mapping[str, float] = field(default_factory=dict)
 
 
 class Planner(ABC):

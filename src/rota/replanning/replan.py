@@ -52,6 +52,7 @@ def replan(
     joined: Mapping[str, Place] | None = None,
     late: Mapping[str, float] | None = None,
     mission: Mission | None = None,
+    battery: Mapping[str, float] | None = None,
     seed: int = 0,
     time_limit_s: float | None = None,
     should_stop: Callable[[], bool] | None = None,
@@ -63,9 +64,11 @@ def replan(
     at_s: the moment in the plan's clock; it is 0 of the new plan's. lost: robots that are there no more, with their
     bodies. joined: new robots, and where they are, (x, y) in metres. late: robots that have driven all so many seconds
     later than planned. mission: as it is from then on; its fleet says what robots are like, and it is planned for those
-    that remain. None: as in the plan. The new plan holds what was driven before (``Plan.seam``), so that the check
-    judges every window across the change. Among plans whose loops meet every demand that is best whose latest place is
-    late least, then the one after which all periods hold soonest, then the one that keeps most robots on their ways.
+    that remain. None: as in the plan. battery: how full batteries are, 0 to 1: of robots that join, full unless said,
+    and of others where it is less than the plan leaves them. The new plan holds what was driven before
+    (``Plan.seam``), so that the check judges every window across the change. Among plans whose loops meet every demand
+    that is best whose latest place is late least, then the one after which all periods hold soonest, then the one that
+    keeps most robots on their ways.
     Where none does, that is best which leaves least ground unseen, and then has the least worst ratio; the outcome's
     report then says "violated".
 
@@ -75,8 +78,9 @@ def replan(
     Raises MissionError for a change that cannot be, NoPlanFound where robots that remain have no way to go on.
     """
     change = Change(
-        at_s=float(at_s), lost=tuple(lost), joined=dict(joined or {}), late=dict(late or {}), mission=mission
-    )
+        at_s=float(at_s), lost=tuple(lost), joined=dict(joined or {}), late=dict(late or {}), mission=mission,
+        battery=dict(battery or {}),
+    )  # fmt: skip
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
     situation = situation_after(plan, change)
@@ -118,7 +122,7 @@ class _Search:
         asked = Handover(
             mission=situation.mission, places=situation.places, seam=situation.seam, seed=self._seed,
             going_on=situation.going_on if loops is situation.loops else {}, loops=loops,
-            lateness=self._sample, most=most,
+            lateness=self._sample, most=most, batteries=situation.batteries,
             importance=self._order.importance_of(loops, situation.team) if loops is situation.loops else {},
         )  # fmt: skip
         plans = iter(self._planner.takeovers(asked))

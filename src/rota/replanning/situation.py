@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import shapely
 
@@ -14,7 +14,8 @@ from rota.model.limits import LONGEST_S
 from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot
 from rota.model.plan import Driven, Plan, Seam, Trajectory
 from rota.model.sensor_faults import require_all_count
-from rota.replanning.moments import delay, go_on, join_ways, way_before
+from rota.replanning.levels import Level, later_part, levels_of_plan, require_same_batteries
+from rota.routes.moments import delay, earlier_by, go_on, join_ways, way_before
 
 Place = tuple[float, float]
 
@@ -28,6 +29,8 @@ class Change:
 
     lost: robots that are there no more. joined: robots that are there from then on, and where, metres. late: robots
     that have driven all so many seconds later than planned. mission: as it is from then on; None: as before.
+    battery: how full batteries are then, 0 to 1, of robots that join, full unless said, and of others where it is less
+    than the plan leaves them.
     """
 
     at_s: float
@@ -35,6 +38,7 @@ class Change:
     joined: Mapping[str, Place]
     late: Mapping[str, float]
     mission: Mission | None = None
+    battery: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +46,8 @@ class Situation:
     """mission: of the robots that remain, each with its start, but on lanes. seam: what a plan takes over from.
 
     places: where robots are that remain. going_on: what they would drive from now on by the plan before, by name;
-    loops: what all would, lost ones too. The clock is 0 now. team: the fleet of the plan before.
+    loops: what all would, lost ones too. The clock is 0 now. team: the fleet of the plan before. batteries: of those
+    that remain, 0 to 1.
     """
 
     mission: Mission
@@ -51,6 +56,7 @@ class Situation:
     going_on: dict[str, Trajectory]
     loops: tuple[Trajectory, ...]
     team: Fleet
+    batteries: dict[str, float]
 
 
 def situation_after(plan: Plan, change: Change) -> Situation:
@@ -60,18 +66,21 @@ def situation_after(plan: Plan, change: Change) -> Situation:
     """
     _require_right(plan, change)
     delayed = [delay(trajectory, change.late.get(trajectory.robot, 0.0)) for trajectory in plan]
-    now = {trajectory.robot: go_on(trajectory, change.at_s) for trajectory in delayed}
+    levels = levels_of_plan(plan, delayed)
+    batteries = {name: min(level(change.at_s), change.battery.get(name, 1.0)) for name, level in levels.items()}
+    now = {line.robot: go_on(line, change.at_s, batteries[line.robot]) for line in delayed}
     remain = {name: line for name, line in now.items() if name not in change.lost}
     places = {name: (float(line.positions_m[0, 0]), float(line.positions_m[0, 1])) for name, line in remain.items()}
     places |= change.joined
     mission = _mission_of(plan, change, places)
     return Situation(
         mission=mission,
-        seam=_seam_of(plan, change, mission, delayed),
+        seam=_seam_of(plan, change, mission, delayed, levels),
         going_on=remain,
         places=places,
         loops=tuple(now.values()),
         team=plan.mission.fleet,
+        batteries={name: batteries[name] if name in remain else change.battery.get(name, 1.0) for name in places},
     )
 
 
@@ -84,8 +93,8 @@ def _require_right(plan: Plan, change: Change) -> None:
         raise MissionError(
             f"at_s: {change.at_s!r} is not allowed; seconds from 0, where the plan begins, to {LONGEST_S:g} are needed"
         )
-    if any(asked is not None and asked.chargers for asked in (plan.mission, change.mission)):
-        raise MissionError("chargers: replanning does not heed batteries yet; robots that charge cannot take over")
+    if change.mission is not None:
+        require_same_batteries(plan, change.mission, change.lost)
     for name in change.lost:
         if name not in names:
             raise MissionError(f"lost: robot {name!r} is not in the plan; {has}")
@@ -101,6 +110,11 @@ def _require_right(plan: Plan, change: Change) -> None:
             raise MissionError(
                 f"joined: {name}={place[0]},{place[1]} is not allowed; two numbers, x,y in metres, are needed"
             )
+    for name, share in change.battery.items():
+        if name not in change.joined and (name not in names or name in change.lost):
+            raise MissionError(f"battery: robot {name!r} is {'lost' if name in names else 'not in the plan'}; {has}")
+        if not 0 <= share <= 1:
+            raise MissionError(f"battery: {name}={share!r} is not allowed; 0 (empty) to 1 (full) is needed")
     if not set(names) - set(change.lost) and not change.joined:
         raise MissionError(f"lost: all of {', '.join(names)}: no robot remains; give some that join")
 
@@ -161,7 +175,9 @@ def _require_room(mission: Mission, robot: Robot, place: Place, at_s: float) -> 
     )
 
 
-def _seam_of(plan: Plan, change: Change, mission: Mission, delayed: Sequence[Trajectory]) -> Seam:
+def _seam_of(
+    plan: Plan, change: Change, mission: Mission, delayed: Sequence[Trajectory], levels: Mapping[str, Level]
+) -> Seam:
     """What was driven before, as far back as any period may ask for it."""
     periods_s = [
         period_s or 0.0
@@ -172,8 +188,10 @@ def _seam_of(plan: Plan, change: Change, mission: Mission, delayed: Sequence[Tra
     earlier = _driven_earlier(plan, change.at_s)
     driven = []
     for trajectory in delayed:
-        one = way_before(trajectory, plan.mission.fleet.robot(trajectory.robot).sensor, change.at_s, told_s)
-        one = join_ways(earlier.pop(trajectory.robot, None), one, told_s)
+        sensor, from_s = plan.mission.fleet.robot(trajectory.robot).sensor, max(0.0, change.at_s - told_s)
+        one = way_before(trajectory, sensor, change.at_s, told_s, levels[trajectory.robot](from_s))
+        if (was := earlier.pop(trajectory.robot, None)) is not None:
+            one = join_ways(later_part(plan, was, told_s), one, told_s)
         moved = trajectory.robot in change.lost and trajectory.robot in change.joined
         driven.append(replace(one, robot=trajectory.robot + BEFORE) if moved else one)
     lost = [name + BEFORE if name in change.joined else name for name in dict.fromkeys(change.lost)]
@@ -191,7 +209,7 @@ def _driven_earlier(plan: Plan, at_s: float) -> dict[str, Driven]:
     """What was driven before the plan itself took over from another one, by name; nothing where walls were others."""
     if plan.seam is None or plan.seam.obstacles is not None:
         return {}
-    return {one.robot: replace(one, times_s=one.times_s - at_s) for one in plan.seam.driven}
+    return {one.robot: earlier_by(one, at_s) for one in plan.seam.driven}
 
 
 def _walls_before(before: Mission, now: Mission) -> tuple[Obstacle, ...] | None:

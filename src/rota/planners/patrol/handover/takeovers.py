@@ -16,6 +16,7 @@ from rota.errors import NoPlanFound, PlanError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
 from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
 from rota.planners.patrol.handover.on_lanes import takeovers_on_lanes
 from rota.planners.patrol.handover.rounds import (
@@ -41,6 +42,9 @@ PHASES = 6  # of a round that are tried, beside those at which one of its robots
 
 def takeovers(asked: Handover) -> Iterator[Plan]:
     """Plans for the mission with a seam, the one that changes least first; see ``Planner.takeovers``."""
+    if asked.mission.chargers:
+        yield from takeovers_with_chargers(asked)
+        return
     takeover = _Takeover(asked)
     if takeover.going_on.keys() == asked.going_on.keys() and asked.going_on:
         waiting = {name: stand_by(one) for name, one in takeover.standing.items() if name not in asked.going_on}

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.mission import Sensor
-from rota.model.plan import Driven, Trajectory
+from rota.model.plan import Charge, Driven, Trajectory
 
 Floats = NDArray[np.float64]
 
+STAY_S = 1.0  # told of a robot that is on a charger for ever
 APART_S = 1e-9  # rows nearer to each other than this, and than a share as small of the time, are one
 
 
 def delay(trajectory: Trajectory, by_s: float) -> Trajectory:
-    """The same driven so much later: its robot stands where it begins until then."""
+    """The same driven so much later: its robot stands where it begins until then, on a charger if it begins there."""
     if by_s == 0:
         return trajectory
     changes = trajectory.accelerations_m_s2
+    charges = [
+        replace(one, from_s=one.from_s + by_s if one.from_s else 0.0, until_s=one.until_s + by_s)
+        for one in trajectory.charges
+    ]
     return replace(
         trajectory,
         times_s=np.append(0.0, trajectory.times_s + by_s),
@@ -28,19 +35,32 @@ def delay(trajectory: Trajectory, by_s: float) -> Trajectory:
         accelerations_m_s2=None if changes is None else np.append(0.0, changes),
         loop_start_s=trajectory.loop_start_s + by_s,
         waypoints=None,
+        charges=tuple(charges),
     )
 
 
-def way_before(trajectory: Trajectory, sensor: Sensor, at_s: float, least_s: float) -> Driven:
-    """What was driven in the ``least_s`` seconds before a moment, or since the beginning; times end with 0."""
-    times_s, places_m, changes = _rows(trajectory, max(0.0, at_s - least_s), at_s)
+def way_before(trajectory: Trajectory, sensor: Sensor, at_s: float, least_s: float, battery: float = 1.0) -> Driven:
+    """What was driven in the ``least_s`` seconds before a moment, or since the beginning; times end with 0.
+
+    battery: 0 to 1, how full it was when that begins.
+    """
+    from_s = max(0.0, at_s - least_s)
+    times_s, places_m, changes = _rows(trajectory, from_s, at_s)
     return Driven(
         robot=trajectory.robot,
         sensor=sensor,
         times_s=times_s - at_s,
         positions_m=places_m[:, :2],
         accelerations_m_s2=changes if changes.any() else None,
+        charges=_charges(_stays(trajectory, from_s, at_s), times_s - at_s, -at_s),
+        battery=battery,
     )
+
+
+def earlier_by(driven: Driven, by_s: float) -> Driven:
+    """The same driven so much earlier."""
+    charges = tuple(replace(one, from_s=one.from_s - by_s, until_s=one.until_s - by_s) for one in driven.charges)
+    return replace(driven, times_s=driven.times_s - by_s, charges=charges)
 
 
 def join_ways(earlier: Driven | None, way: Driven, least_s: float) -> Driven:
@@ -58,6 +78,10 @@ def join_ways(earlier: Driven | None, way: Driven, least_s: float) -> Driven:
         times_s=times_s[first:],
         positions_m=np.vstack([earlier.positions_m[:-1], way.positions_m])[first:],
         accelerations_m_s2=changes[first:] if changes.any() else None,
+        charges=_charges(
+            [(one.charger, one.from_s, one.until_s) for one in (*earlier.charges, *way.charges)], times_s[first:], 0.0
+        ),
+        battery=earlier.battery,
     )
 
 
@@ -67,13 +91,23 @@ def _changes_of(way: Driven) -> Floats:
     return np.zeros(len(way.times_s) - 1) if changes is None else changes
 
 
-def go_on(trajectory: Trajectory, at_s: float) -> Trajectory:
-    """What is driven from a moment on, whose clock begins there; the loop begins there if it has begun before."""
+def go_on(trajectory: Trajectory, at_s: float, battery: float = 1.0) -> Trajectory:
+    """What is driven from a moment on, whose clock begins there; the loop begins there if it has begun before.
+
+    battery: 0 to 1, how full it is then.
+    """
     loop_s = trajectory.loop_duration_s
     if at_s >= trajectory.loop_start_s and loop_s == 0:
+        if _ends_docked(trajectory):
+            charger = trajectory.charges[-1].charger
+            return replace(
+                trajectory, times_s=np.array([0.0, STAY_S]), positions_m=trajectory.positions_m[[-1, -1]],
+                loop_start_s=STAY_S, headings_rad=None, accelerations_m_s2=None, waypoints=None,
+                charges=(Charge(charger=charger, from_s=0.0, until_s=STAY_S),), battery=battery,
+            )  # fmt: skip
         return replace(
             trajectory, times_s=np.zeros(1), positions_m=trajectory.positions_m[-1:], loop_start_s=0.0,
-            headings_rad=None, accelerations_m_s2=None, waypoints=None,
+            headings_rad=None, accelerations_m_s2=None, waypoints=None, charges=(), battery=battery,
         )  # fmt: skip
     begins_s = max(trajectory.loop_start_s, at_s)
     times_s, places_m, changes = _rows(trajectory, at_s, begins_s + loop_s)
@@ -85,8 +119,41 @@ def go_on(trajectory: Trajectory, at_s: float) -> Trajectory:
         places_m[-1] = places_m[first]
     return replace(
         trajectory, times_s=times_s, positions_m=places_m, loop_start_s=begins_s - at_s, headings_rad=None,
-        accelerations_m_s2=changes if changes.any() else None, waypoints=None,
+        accelerations_m_s2=changes if changes.any() else None, waypoints=None, battery=battery,
+        charges=_charges(_stays(trajectory, at_s, begins_s + loop_s), times_s, -at_s),
     )  # fmt: skip
+
+
+def _ends_docked(trajectory: Trajectory) -> bool:
+    """Whether a robot stays at a charger for ever."""
+    charges = trajectory.charges
+    return trajectory.loop_duration_s == 0 and bool(charges) and charges[-1].until_s == trajectory.times_s[-1]
+
+
+def _stays(trajectory: Trajectory, from_s: float, to_s: float) -> list[tuple[str, float, float]]:
+    """Stays at chargers between two moments: at which, from when and until when."""
+    loop_s, stays = trajectory.loop_duration_s, list[tuple[str, float, float]]()
+    first = 0 if loop_s == 0 else max(0, math.floor((from_s - trajectory.loop_start_s) / loop_s))
+    last = 0 if loop_s == 0 else max(0, math.ceil((to_s - trajectory.loop_start_s) / loop_s))
+    for turn in sorted({0, *range(first, last + 1)}):
+        stays += [
+            (one.charger, one.from_s + turn * loop_s, one.until_s + turn * loop_s)
+            for one in trajectory.charges
+            if turn == 0 or one.from_s >= trajectory.loop_start_s
+        ]
+    if _ends_docked(trajectory):
+        stays[-1] = (stays[-1][0], stays[-1][1], max(stays[-1][2], to_s))
+    return [(name, max(a, from_s), min(b, to_s)) for name, a, b in stays if a < to_s and b > from_s]
+
+
+def _charges(stays: Sequence[tuple[str, float, float]], times_s: Floats, later_s: float) -> tuple[Charge, ...]:
+    """The stays, told so much later, each from one of the times (n,) to another one; those that take none are not."""
+    found = []
+    for name, begin_s, end_s in stays:
+        begin, end = (int(np.argmin(np.abs(times_s - later_s - moment_s))) for moment_s in (begin_s, end_s))
+        if begin < end:
+            found.append(Charge(charger=name, from_s=float(times_s[begin]), until_s=float(times_s[end])))
+    return tuple(found)
 
 
 def _rows(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, Floats, Floats]:

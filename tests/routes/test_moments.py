@@ -7,7 +7,7 @@ import pytest
 
 from rota import DiscSensor, Trajectory
 from rota.model.plan import Driven
-from rota.replanning.moments import delay, go_on, way_before
+from rota.routes.moments import delay, go_on, way_before
 
 LOOPS = Trajectory(
     robot="a",

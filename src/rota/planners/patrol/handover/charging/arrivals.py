@@ -1,0 +1,252 @@
+"""When a robot can come into a round of flights, by which way, and how full its battery has to be for that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.geometry.shortest_path import ShortestPaths
+from rota.model.mission import Charger, Robot
+from rota.model.plan import Charge, Trajectory
+from rota.planners.patrol.handover.charging.timetables import Round, begin_at
+from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S, SLOWER
+from rota.routes.charging_legs import charging_legs
+
+Floats = NDArray[np.float64]
+
+POINTS = 240  # of a round at which robots may come into it, beside its corners
+FINER = 12  # moments between two of them that are tried
+LEFT_S = 1e-6  # of driving, that must be left beyond what is needed
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flyer:
+    """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none."""
+
+    robot: Robot
+    place_m: Floats
+    level_s: float
+    charger: Charger | None
+
+    def level_after_s(self, level_s: Floats | float, stays_s: Floats, charger: Charger) -> Floats:
+        """The level after stays of so many seconds at a charger; nan for a stay of less than none."""
+        full_s = self.robot.battery.endurance_s or math.inf
+        if charger.swap_s is not None:
+            after_s = np.where(stays_s > charger.swap_s, full_s, level_s)
+        else:
+            fill = full_s / (self.robot.battery.recharge_s or math.inf)
+            after_s = np.minimum(level_s + fill * stays_s, full_s)
+        return np.where(stays_s >= 0, after_s, np.nan)
+
+    @property
+    def standing(self) -> float:
+        """What a second of standing takes of its battery."""
+        full_s = self.robot.battery.endurance_s or math.inf
+        return full_s / (self.robot.battery.standing_endurance_s or full_s)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Arrival:
+    """How a robot comes into a round: so far round at ``joins_s``, from ``leaves_s`` on, by way of a charger, if any.
+
+    unserved_s: how long nobody flies in its place until then; inf: it never can.
+    """
+
+    joins_s: float
+    phase_s: float
+    leaves_s: float
+    via: Charger | None
+    unserved_s: float
+
+
+NEVER = Arrival(joins_s=math.inf, phase_s=0.0, leaves_s=0.0, via=None, unserved_s=math.inf)
+
+
+class Needs:
+    """What a round asks of a battery at each of its moments."""
+
+    def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
+        self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
+        self.docked = self._legs.docks >= 0
+        count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
+        if way.loop_duration_s > 0:
+            for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
+                begins_s = self._legs.begins_s[leg : leg + 1]
+                self._after_s[leg - 1] = self._at(np.array([leg]), begins_s)[0]
+
+    def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
+        """The leg of the round at each of its moments (k,)."""
+        legs = np.searchsorted(self._legs.begins_s, phases_s, side="right") - 1
+        return np.clip(legs, 0, len(self.docked) - 1)
+
+    def at(self, phases_s: Floats) -> Floats:
+        """The least level (k,) at moments of the round with which a robot can go on for ever."""
+        return self._at(self.leg_at(phases_s), phases_s)
+
+    def _at(self, leg: NDArray[np.int64], phases_s: Floats) -> Floats:
+        """The same at moments within these legs."""
+        legs, after_s = self._legs, self._after_s[leg]
+        rest_s = np.where(np.isfinite(legs.ends_s[leg]), legs.ends_s[leg] - phases_s, 0.0)
+        needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
+        swapped = legs.leaves_s[leg] - phases_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
+        return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
+
+
+class Arrivals:
+    """How each of some robots can come into one round, at each of its places."""
+
+    def __init__(
+        self, round_: Round, flyers: Sequence[Flyer], chargers: tuple[Charger, ...], paths: ShortestPaths
+    ) -> None:
+        self.round, self._flyers, self._chargers, self._paths = round_, flyers, chargers, paths
+        self._way, self._lasts_s = round_.way, round_.way.loop_duration_s
+        self._needs = Needs(round_.way, flyers[0].robot, chargers)
+        self._speed_m_s = flyers[0].robot.ground_speed_m_s * SLOWER
+
+    @cached_property
+    def _phases_s(self) -> Floats:
+        """Moments (k,) of the round at which robots may come into it: its rows, its roles' now, and others between."""
+        if self._lasts_s == 0:
+            return np.zeros(1)
+        even_s = np.linspace(0, self._lasts_s, POINTS, endpoint=False)
+        now_s = np.arange(self.round.robots) * self.round.turn_s
+        return np.unique(np.concatenate([even_s, now_s, self._way.times_s[:-1]]))
+
+    @cached_property
+    def _travel_s(self) -> Floats:
+        """From each robot, then from each charger, to the places of the round."""
+        return self._travel_to(self._way.at(self._phases_s))
+
+    def _travel_to(self, places_m: Floats) -> Floats:
+        """From each robot, then from each charger, to places (k, 2)."""
+        here_m = np.array([*(one.place_m for one in self._flyers), *(one.at for one in self._chargers)])
+        return np.asarray(self._paths.distances(here_m, places_m) / self._speed_m_s)
+
+    @cached_property
+    def _to_chargers_s(self) -> Floats:
+        """From each robot to each charger."""
+        return self._travel_to(np.array([one.at for one in self._chargers]))[: len(self._flyers)]
+
+    def _service_s(self, phases_s: Floats) -> Floats:
+        """For how long the round is flown from its time 0 to moments of it, those of later rounds as well."""
+        if self._lasts_s == 0:
+            return np.zeros(len(phases_s))
+        legs_s = np.where(self._needs.docked, 0.0, np.diff(self._way.times_s))
+        known_s = np.append(0.0, np.cumsum(legs_s))
+        rounds = np.floor(phases_s / self._lasts_s)
+        return np.asarray(
+            rounds * known_s[-1] + np.interp(phases_s - rounds * self._lasts_s, self._way.times_s, known_s)
+        )
+
+    def arrival(self, k: int, now_s: float) -> Arrival:
+        """The first that the k-th robot can make it into the round, which is so far on at the time 0."""
+        lasts_s = self._lasts_s
+        if lasts_s == 0:
+            return self._first(k, now_s, np.array([*self._travel_s[k], *self._to_chargers_s[k]]), None)
+        moments_s = np.mod(self._phases_s - now_s, lasts_s)
+        moments_s[moments_s > lasts_s - SHORTEST_S] = 0.0
+        order = np.argsort(moments_s, kind="stable")
+        return self._first(k, now_s, moments_s[order], self._travel_s[:, order])
+
+    def finer(self, k: int, now_s: float, arrival: Arrival) -> Arrival:
+        """The same nearer to the first moment at which it can be."""
+        if self._lasts_s == 0 or arrival.joins_s == 0 or not math.isfinite(arrival.joins_s):
+            return arrival
+        step_s = self._lasts_s / POINTS
+        for _ in range(2):
+            moments_s = np.linspace(max(0.0, arrival.joins_s - step_s), arrival.joins_s, FINER)
+            found = self._first(k, now_s, moments_s, None)
+            arrival, step_s = found if found.joins_s <= arrival.joins_s else arrival, step_s / (FINER - 1)
+        return arrival
+
+    def _first(self, k: int, now_s: float, moments_s: Floats, travel_s: Floats | None) -> Arrival:
+        """The first of moments (n,) at which the k-th robot can be there with enough left."""
+        one, count = self._flyers[k], len(self._flyers)
+        phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
+        if travel_s is None:
+            travel_s = self._travel_to(self._way.at(phases_s))
+        needs_s, best = self._needs.at(phases_s) + LEFT_S, NEVER
+        for via in (None, *self._chargers):
+            if via is not None and one.charger is via:
+                continue
+            to_s = 0.0 if via is None else float(self._to_chargers_s[k, self._chargers.index(via)])
+            way_s = travel_s[k] if via is None else travel_s[count + self._chargers.index(via)]
+            stays_s, charger = moments_s - way_s - to_s, one.charger if via is None else via
+            stays_s = np.where(np.abs(stays_s) <= SHORTEST_S, 0.0, stays_s)
+            if charger is None:
+                left_s = np.where(stays_s >= 0, one.level_s - one.standing * stays_s, np.nan)
+            elif one.level_s - to_s < one.robot.battery.reserve_s + LEFT_S * (to_s > 0):
+                continue
+            else:
+                left_s = one.level_after_s(one.level_s - to_s, stays_s, charger)
+            is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - LEFT_S, needs_s)
+            if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
+                served_s = self._service_s(np.array([now_s, now_s + moments_s[first]]))
+                best = Arrival(
+                    joins_s=float(moments_s[first]), phase_s=float(phases_s[first]), via=via,
+                    leaves_s=float(max(0.0, moments_s[first] - way_s[first])),
+                    unserved_s=float(served_s[1] - served_s[0]),
+                )  # fmt: skip
+        return best
+
+    def trajectory(self, k: int, arrival: Arrival, battery: float) -> Trajectory:
+        """What the k-th robot flies that comes into the round so."""
+        one, way = self._flyers[k], begin_at(self._way, arrival.phase_s)
+        way_m, joins_s = way.positions_m[0, :2], arrival.joins_s
+        line = _Line(one.place_m, self._paths)
+        if arrival.via is not None:
+            line.go(np.array(arrival.via.at), float(self._to_chargers_s[k, self._chargers.index(arrival.via)]))
+        charger = arrival.via or one.charger
+        line.stay(arrival.leaves_s, None if charger is None else charger.name)
+        line.go(way_m, joins_s)
+        return line.lead_into(one.robot.name, way, joins_s, battery)
+
+
+class _Line:
+    """Rows of a robot's way into a round."""
+
+    def __init__(self, place_m: Floats, paths: ShortestPaths) -> None:
+        self._paths, self._times_s, self._places_m = paths, [0.0], [place_m]
+        self._charges: list[Charge] = []
+
+    def go(self, place_m: Floats, there_s: float) -> None:
+        """Go to a place, to be there at that time."""
+        here_m, since_s = self._places_m[-1], self._times_s[-1]
+        if there_s - since_s <= SHORTEST_S:
+            return
+        line_m = np.vstack([here_m, self._paths.path(here_m, place_m)[1:-1], place_m])
+        steps_m = np.hypot(*np.diff(line_m, axis=0).T)
+        moved = np.append(True, steps_m > 0)
+        line_m, along_m = line_m[moved], np.append(0.0, np.cumsum(steps_m))[moved]
+        if along_m[-1] == 0:
+            self.stay(there_s, None)
+            return
+        times_s = since_s + along_m / along_m[-1] * (there_s - since_s)
+        self._times_s += [*times_s[1:-1].tolist(), there_s]
+        self._places_m += list(line_m[1:])
+
+    def stay(self, until_s: float, charger: str | None) -> None:
+        """Stay where it is, perhaps on a charger."""
+        if until_s - self._times_s[-1] <= SHORTEST_S:
+            return
+        if charger is not None:
+            self._charges.append(Charge(charger=charger, from_s=self._times_s[-1], until_s=until_s))
+        self._times_s.append(until_s)
+        self._places_m.append(self._places_m[-1])
+
+    def lead_into(self, robot: str, way: Trajectory, joins_s: float, battery: float) -> Trajectory:
+        """These rows, and the round from then on."""
+        joins_s = self._times_s[-1] if abs(self._times_s[-1] - joins_s) <= SHORTEST_S else joins_s
+        kept = [k for k, now_s in enumerate(self._times_s) if now_s < joins_s]
+        later = [Charge(charger=c.charger, from_s=c.from_s + joins_s, until_s=c.until_s + joins_s) for c in way.charges]
+        first_m = np.array(self._places_m)[kept].reshape(-1, 2)
+        places_m = np.vstack([first_m, way.positions_m[:, :2]])
+        return Trajectory(
+            robot=robot, times_s=np.append(np.array(self._times_s)[kept], way.times_s + joins_s), positions_m=places_m,
+            loop_start_s=way.loop_start_s + joins_s, charges=(*self._charges, *later), battery=battery,
+        )  # fmt: skip

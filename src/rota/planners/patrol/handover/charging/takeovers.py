@@ -1,0 +1,222 @@
+"""Plans in which robots that charge take over: those that remain fly the flights as before, or in longer turns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from rota.errors import PlanError
+from rota.geometry.free_space import free_ground
+from rota.model.mission import TOUCH_M, Charger
+from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer
+from rota.planners.patrol.handover.charging.timetables import (
+    Round,
+    Timetable,
+    circulations,
+    round_of,
+    stay_at,
+    timetables_of,
+)
+from rota.planners.patrol.handover.rounds import is_clear
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+from rota.planning.planner import Handover
+
+Floats = NDArray[np.float64]
+
+SHIFTS = 6  # of a timetable that are tried
+HALVINGS = 3  # of the step between shifts that are tried beside the best one
+STEPS = 200  # of a hundredth, by which turns are longer than they would be if no robot waited
+FAR = 1e9  # seconds: what a robot that never comes into a round counts as
+LATER = 1e-3  # what a second counts as until a robot is in its round while nobody is missed
+
+
+def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:
+    """Plans for robots that charge; see ``Planner.takeovers``."""
+    if asked.going_on.keys() == asked.places.keys():
+        lines = tuple(asked.going_on[robot.name] for robot in asked.mission.fleet.robots or ())
+        yield Plan(mission=asked.mission, seed=asked.seed, seam=asked.seam, trajectories=lines)
+    takeover = _Takeover(asked)
+    timetables = takeover.timetables()
+    if timetables is not None:
+        for rounds in takeover.rounds(timetables):
+            yield from takeover.plans(rounds)
+
+
+class _Takeover:
+    """The robots that remain, and what they are to fly."""
+
+    def __init__(self, asked: Handover) -> None:
+        self._asked, self._mission = asked, asked.mission
+        robots = asked.mission.fleet.robots or ()
+        self._robot = max(robots, key=lambda robot: robot.body_radius_m)
+        self._paths = PathsByBody(asked.mission).paths(self._robot.body_radius_m)
+        self._flyers = [
+            Flyer(
+                robot=robot,
+                place_m=np.array(asked.places[robot.name]),
+                level_s=asked.batteries[robot.name] * (robot.battery.endurance_s or np.inf),
+                charger=self._charger_of(robot.name),
+            )
+            for robot in robots
+        ]
+
+    def _charger_of(self, name: str) -> Charger | None:
+        """The charger that a robot is on; of a new one that at which it stands."""
+        chargers = {charger.name: charger for charger in self._mission.chargers}
+        line = self._asked.going_on.get(name)
+        if line is not None:
+            return next((chargers[one.charger] for one in line.charges if one.from_s == 0), None)
+        here = np.array(self._asked.places[name])
+        return next((one for one in chargers.values() if np.hypot(*(here - one.at)) <= TOUCH_M), None)
+
+    def timetables(self) -> list[Timetable] | None:
+        """The timetables of the plan before; None where not every robot that remains can fly its flights now."""
+        if len({(one.robot.battery, one.robot.ground_speed_m_s, one.robot.sensor) for one in self._flyers}) > 1:
+            return None
+        ground, body_m = free_ground(self._mission), self._robot.body_radius_m
+        if not all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops):
+            return None
+        return timetables_of(self._asked.loops, self._robot, self._mission.chargers)
+
+    def rounds(self, timetables: Sequence[Timetable]) -> Iterator[list[Round]]:
+        """Rounds for so many robots as remain: those of the timetables, or of some with longer turns."""
+        robots = len(self._flyers)
+        flown = [self._rounds_of(one) for one in timetables]
+        counts = [sum(round_.robots for round_ in own) for own in flown]
+        spare = robots - sum(counts)
+        if spare >= 0:
+            yield [round_ for own in flown for round_ in own] + self._stays(spare, flown)
+            return
+        for fewer in _divisions(counts, robots):
+            longer = [
+                own if count == most else self._fit(one, count)
+                for own, one, count, most in zip(flown, timetables, fewer, counts, strict=True)
+            ]
+            if all(own is not None for own in longer):
+                yield [round_ for own in longer for round_ in own or ()]
+
+    def _rounds_of(self, timetable: Timetable) -> list[Round]:
+        """The rounds that the fewest robots fly by a timetable."""
+        places = {charger.name: np.array(charger.at) for charger in self._mission.chargers}
+        return [round_of(own, timetable.turn_s, places[own[0][0].charger]) for own in circulations(timetable)]
+
+    def _fit(self, timetable: Timetable, robots: int) -> list[Round] | None:
+        """The rounds of the same flights in the shortest turns in which so many robots fly them."""
+        if robots == 0:
+            return []
+        shortest_s = max(timetable.busy_s / robots, timetable.turn_s)
+        for step in range(STEPS):
+            longer = timetable.with_turn(shortest_s * (1 + step / 100))
+            found = self._rounds_of(longer)
+            if sum(round_.robots for round_ in found) <= robots:
+                to_spare = robots - sum(round_.robots for round_ in found)
+                return found + self._stays(to_spare, [found])
+        return None
+
+    def _stays(self, robots: int, flown: Sequence[Sequence[Round]]) -> list[Round]:
+        """Robots with nothing to do stay at the chargers with most room."""
+        room = {charger.name: float(charger.places) for charger in self._mission.chargers}
+        for round_ in (each for own in flown for each in own):
+            for charge in round_.way.charges:
+                stays_s = charge.until_s - charge.from_s
+                room[charge.charger] -= stays_s / (round_.turn_s or stays_s)
+        found = []
+        for _ in range(robots):
+            charger = max(self._mission.chargers, key=lambda one: room[one.name])
+            room[charger.name] -= 1
+            found.append(stay_at(charger))
+        return found
+
+    def plans(self, rounds: Sequence[Round]) -> Iterator[Plan]:
+        """Plans in which robots fly these rounds, with the clock of all shifted or not: better and better ones."""
+        arrivals = [Arrivals(one, self._flyers, self._mission.chargers, self._paths) for one in rounds]
+        found = list[tuple[tuple[float, ...], float, Plan]]()
+
+        def look(late_s: float) -> float:
+            """Note the plan with all rounds so much later, and tell how long some place in them is empty."""
+            plan, longest_s = self._plan(arrivals, late_s)
+            if plan is not None:
+                found.append((self._asked.lateness(plan), late_s, plan))
+            return longest_s
+
+        empty_s = look(0.0)
+        if not found:
+            turns_s = [round_.turn_s for round_ in rounds if round_.turn_s > 0]
+            empty_s = max(turns_s, default=0.0)
+        if empty_s <= 0:
+            yield from (plan for _, _, plan in found)
+            return
+        step_s = empty_s / SHIFTS
+        for late_s in step_s * np.arange(1, SHIFTS + 1):
+            look(float(late_s))
+        for _ in range(HALVINGS):
+            if not found:
+                return
+            found.sort(key=lambda one: one[:2])
+            best_s, step_s = found[0][1], step_s / 2
+            yield found[0][2]
+            for late_s in (best_s - step_s, best_s + step_s):
+                if late_s >= 0:
+                    look(late_s)
+        found.sort(key=lambda one: one[:2])
+        yield from (plan for _, _, plan in islice(found, 3))
+
+    def _plan(self, arrivals: Sequence[Arrivals], late_s: float) -> tuple[Plan | None, float]:
+        """The plan in which roles in rounds, so much later, are empty for least time, and for how long one is."""
+        roles = [
+            (own, (number * own.round.turn_s - late_s) % (own.round.way.loop_duration_s or 1.0))
+            for own in arrivals
+            for number in range(own.round.robots)
+        ]
+        every = [[own.arrival(k, now_s) for own, now_s in roles] for k in range(len(self._flyers))]
+        costs = [[min(one.unserved_s + LATER * min(one.joins_s, FAR), FAR) for one in row] for row in every]
+        who, which = linear_sum_assignment(np.array(costs))
+        if any(costs[k][role] >= FAR for k, role in zip(who, which, strict=True)):
+            return None, 0.0
+        lines: dict[str, Trajectory] = {}
+        for k, role in zip(who, which, strict=True):
+            (own, now_s), name = roles[role], self._flyers[k].robot.name
+            arrival = own.finer(k, now_s, every[k][role])
+            try:
+                line = own.trajectory(k, arrival, self._asked.batteries[name])
+            except PlanError:  # ways so short that their times are one but for rounding
+                return None, 0.0
+            before = self._asked.going_on.get(name)
+            lines[name] = line if before is None or not _is_same(before, line) else before
+        longest_s = max(every[k][role].unserved_s for k, role in zip(who, which, strict=True))
+        plan = Plan(
+            mission=self._mission, seed=self._asked.seed, seam=self._asked.seam,
+            trajectories=tuple(lines[robot.name] for robot in self._mission.fleet.robots or ()),
+        )  # fmt: skip
+        return plan, longest_s
+
+
+def _divisions(counts: Sequence[int], robots: int) -> list[list[int]]:
+    """Ways to have fewer robots at timetables that take so many: from one of them, or from all alike."""
+    lacking, found = sum(counts) - robots, list[list[int]]()
+    for k, count in enumerate(counts):
+        if count > lacking:
+            found.append([*counts[:k], count - lacking, *counts[k + 1 :]])
+    alike = list(counts)
+    for _ in range(lacking):
+        k = max(range(len(alike)), key=lambda k: (alike[k] / counts[k], alike[k]))
+        alike[k] -= 1
+    if min(alike) > 0 and alike not in found:
+        found.append(alike)
+    return found
+
+
+def _is_same(before: Trajectory, line: Trajectory) -> bool:
+    """Whether a robot flies as it would have before."""
+    if abs(before.loop_duration_s - line.loop_duration_s) > TOUCH_M:
+        return False
+    moments_s = np.union1d(before.times_s, line.times_s)
+    same = np.abs(before.at(moments_s)[:, :2] - line.at(moments_s)[:, :2]).max() <= TOUCH_M
+    stays = [round(sum(one.until_s - one.from_s for one in way.charges if one.from_s >= way.loop_start_s), 3)
+             for way in (before, line)]  # fmt: skip
+    return bool(same) and stays[0] == stays[1]

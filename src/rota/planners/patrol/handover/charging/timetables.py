@@ -1,0 +1,202 @@
+"""Timetables of flights, read from a plan, and the fewest robots that fly one.
+
+Robots that take turns at loops fly the same flights, a turn apart from each other: each flight begins again and again
+after a turn, whoever flies it. Who flies what next is free. With each robot charged between two flights as much as the
+first one takes, the fewest robots follow from an assignment of flights to the flights after them that wait least: the
+cycles of that permutation are rounds, each of a whole number of turns, and takes as many robots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from rota.model.mission import Charger, Robot
+from rota.model.plan import Charge, Trajectory
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.handover.rounds import COMPARED, SAME_M
+from rota.planners.patrol.tolerances import SAME_ROUND
+from rota.routes.charging_legs import charging_legs
+from rota.routes.flights import flights_of, has_flights
+from rota.routes.moments import go_on
+
+Floats = NDArray[np.float64]
+
+MISSED_S = 1e-7  # by which a robot may be charged too late for a flight: rounding
+NEVER = 1e12  # seconds that a robot would wait for a flight that begins at another charger
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Leg:
+    """A flight of a timetable: its line from time 0 on, from ``charger`` to it and back, at ``begins_s`` of each turn.
+
+    charges_s: how long its robot then charges for what it took.
+    """
+
+    line: TimedLine
+    charger: str
+    begins_s: float
+    charges_s: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Timetable:
+    """Flights that each begin again and again after ``turn_s``."""
+
+    turn_s: float
+    legs: tuple[Leg, ...]
+
+    def with_turn(self, turn_s: float) -> Timetable:
+        """The same flights in turns of another length, each as far into it."""
+        times = turn_s / self.turn_s
+        return Timetable(turn_s=turn_s, legs=tuple(replace(leg, begins_s=leg.begins_s * times) for leg in self.legs))
+
+    @property
+    def busy_s(self) -> float:
+        """How long all its flights of a turn keep robots busy, which charge between them."""
+        return sum(leg.line.duration_s + leg.charges_s for leg in self.legs)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Round:
+    """What ``robots`` robots fly, a turn apart from each other, and begin anew after it: ``way``, whose time 0 is that
+    of the timetable. One that stays at a charger has one robot and no loop.
+    """
+
+    way: Trajectory
+    robots: int
+    turn_s: float
+
+
+def timetables_of(loops: Sequence[Trajectory], robot: Robot, chargers: Sequence[Charger]) -> list[Timetable] | None:
+    """The timetables that robots fly by in their loops; None where some loop is no round of flights.
+
+    robot: whose battery all have.
+    """
+    flown = [line for line in loops if line.loop_duration_s > 0]
+    if not flown or not all(has_flights(line) for line in flown):
+        return None
+    found: list[tuple[float, list[Leg], int]] = []  # seconds of a round, the flights in it, robots
+    for line in flown:
+        legs = _legs(line, robot, chargers)
+        if legs is None:
+            return None
+        for k, (round_s, others, count) in enumerate(found):
+            if abs(round_s - line.loop_duration_s) <= SAME_ROUND * round_s:
+                found[k] = round_s, others + legs, count + 1
+                break
+        else:
+            found.append((line.loop_duration_s, legs, 1))
+    return [_shortest(Timetable(turn_s=round_s, legs=tuple(legs)), count) for round_s, legs, count in found]
+
+
+def _shortest(timetable: Timetable, robots: int) -> Timetable:
+    """The same flights with the shortest turn after which they come again: a part of the one that robots share."""
+    kinds: list[list[Leg]] = []
+    for leg in timetable.legs:
+        alike = next((own for own in kinds if _is_alike(own[0], leg)), None)
+        kinds.append([leg]) if alike is None else alike.append(leg)
+    for parts in range(robots, 1, -1):
+        turn_s, once = timetable.turn_s / parts, list[Leg]()
+        for own in kinds:
+            begins_s = np.mod([leg.begins_s + MISSED_S for leg in own], turn_s) - MISSED_S
+            order = np.argsort(begins_s, kind="stable")
+            apart = np.split(order, np.flatnonzero(np.diff(begins_s[order]) > 2 * MISSED_S) + 1)
+            if any(len(each) != parts for each in apart):
+                break
+            once += [replace(own[each[0]], begins_s=float(begins_s[each[0]])) for each in apart]
+        else:
+            return Timetable(turn_s=turn_s, legs=tuple(once))
+    return timetable
+
+
+def _is_alike(one: Leg, other: Leg) -> bool:
+    """Whether two flights differ in nothing but when they begin."""
+    lasts_s = one.line.duration_s
+    if one.charger != other.charger or abs(lasts_s - other.line.duration_s) > MISSED_S:
+        return False
+    moments_s = np.linspace(0, lasts_s, COMPARED)
+    return bool(np.abs(one.line.at(moments_s) - other.line.at(moments_s)).max() <= SAME_M)
+
+
+def _legs(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[Leg] | None:
+    """The flights of a robot's loop; None where one ends at another charger than it begins at."""
+    legs = []
+    for flight in flights_of(line):
+        if flight.every_s == 0:
+            continue
+        if flight.from_charger != flight.charger:
+            return None
+        charger = next(one for one in chargers if one.name == flight.charger)
+        own = steady(flight.times_s, flight.positions_m[:, :2])
+        begins_s = flight.starts_s % line.loop_duration_s
+        legs.append(Leg(line=own, charger=flight.charger, begins_s=begins_s, charges_s=charge_s(own, robot, charger)))
+    return legs
+
+
+def charge_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
+    """How long a robot charges for what a flight took of its battery."""
+    if charger.swap_s is not None:
+        return charger.swap_s
+    way = Trajectory(robot=robot.name, times_s=line.times_s, positions_m=line.places_m, loop_start_s=line.duration_s)
+    used = charging_legs(way, robot, (charger,)).uses[: len(line.times_s) - 1]
+    took_s = float((used * np.diff(line.times_s)).sum())
+    return took_s * (robot.battery.recharge_s or 0.0) / (robot.battery.endurance_s or math.inf)
+
+
+def circulations(timetable: Timetable) -> list[list[tuple[Leg, float]]]:
+    """Rounds of flights, each with how long its robot is on the charger after it, that the fewest robots fly."""
+    legs, turn_s = timetable.legs, timetable.turn_s
+    begins_s = np.array([leg.begins_s for leg in legs])
+    ready_s = np.array([leg.begins_s + leg.line.duration_s + leg.charges_s for leg in legs])
+    waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
+    waits_s[waits_s > turn_s - MISSED_S] = 0.0
+    same = np.array([[one.charger == other.charger for other in legs] for one in legs])
+    _, after = linear_sum_assignment(np.where(same, waits_s, NEVER))
+    rounds, left = [], set(range(len(legs)))
+    while left:
+        k = min(left)
+        own = []
+        while k in left:
+            left.remove(k)
+            own.append((legs[k], legs[k].charges_s + float(waits_s[k, after[k]])))
+            k = int(after[k])
+        rounds.append(own)
+    return rounds
+
+
+def round_of(flown: Sequence[tuple[Leg, float]], turn_s: float, charger_m: Floats) -> Round:
+    """One of these rounds as what its robots fly."""
+    times, places, charges, now_s = [], [], [], 0.0
+    for leg, stays_s in flown:
+        times.append(leg.line.times_s + now_s)
+        places.append(leg.line.places_m)
+        ends_s = float(times[-1][-1])
+        now_s = ends_s + stays_s
+        charges.append((leg.charger, ends_s, now_s))
+    lasts_s = round(now_s / turn_s) * turn_s
+    times_s, places_m = np.append(np.concatenate(times), lasts_s), np.vstack([*places, charger_m])
+    places_m[0] = charger_m
+    stays = [Charge(charger=name, from_s=a, until_s=b) for name, a, b in charges[:-1]]
+    stays.append(Charge(charger=charges[-1][0], from_s=charges[-1][1], until_s=lasts_s))
+    way = Trajectory(robot="round", times_s=times_s, positions_m=places_m, charges=tuple(stays))
+    return Round(way=begin_at(way, -flown[0][0].begins_s), robots=round(lasts_s / turn_s), turn_s=turn_s)
+
+
+def begin_at(way: Trajectory, phase_s: float) -> Trajectory:
+    """A round that is so far on at time 0."""
+    return go_on(way, phase_s % way.loop_duration_s) if way.loop_duration_s > 0 else way
+
+
+def stay_at(charger: Charger) -> Round:
+    """Nothing to do but to stay at a charger."""
+    way = Trajectory(
+        robot="round", times_s=np.array([0.0, 1.0]), positions_m=np.array([charger.at] * 2), loop_start_s=1.0,
+        charges=(Charge(charger=charger.name, from_s=0.0, until_s=1.0),),
+    )  # fmt: skip
+    return Round(way=way, robots=1, turn_s=0.0)

@@ -1,0 +1,190 @@
+"""Robots that charge take over: closed forms of a relay on a ring with one pad, beside steps in time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from benchmarks.time_sampling import Sampled, lattice
+from tests.replanning.rings import CORNERS_M, ROUND_S, ring_mission
+
+from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
+from rota.files.plan_file import plan_from_text, plan_text
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, Mission
+from rota.model.plan import Charge
+from rota.routes.flights import on_charger
+
+PERIOD_S, STEP_S = 41.0, 0.05
+# a round of 40 s takes 80 s of charging: three robots take turns at the ring
+BATTERY = BatteryLimits(endurance_s=60, recharge_s=120, reserve_s=10)
+LEFT_S = 2.4  # for which a place is in sight while a robot passes it
+REST_S = 1.0  # told of a robot that stays
+
+
+def relay_mission(names: tuple[str, ...], **of_fleet: object) -> Mission:
+    """The ring with a pad on it."""
+    mission = ring_mission(PERIOD_S, names)
+    fleet = replace(mission.fleet, battery=BATTERY, **of_fleet)  # type: ignore[arg-type]
+    robots = tuple(replace(robot, battery=BATTERY) for robot in fleet.robots or ())
+    return replace(mission, fleet=replace(fleet, robots=robots), chargers=(Charger(name="pad", at=(0, 0), places=4),))
+
+
+@cache
+def relay(spare: bool) -> Plan:
+    """Three robots that take turns, 40 s apart: at 0 the first begins its round; and one more on the pad, or not."""
+    lines = []
+    for k, name in enumerate("abc"):
+        begins_s = ROUND_S * k
+        out_s = begins_s + np.arange(0, 50, 10.0)
+        times_s, places_m = np.append(out_s, 120.0), np.vstack([CORNERS_M, CORNERS_M[:1]])
+        if begins_s > 0:
+            times_s, places_m = np.append(0.0, times_s), np.vstack([CORNERS_M[:1], places_m])
+        keep = np.append(True, np.diff(times_s) > 0)
+        stays = [(0.0, begins_s), (begins_s + ROUND_S, 120.0)]
+        charges = tuple(Charge(charger="pad", from_s=a, until_s=b) for a, b in stays if a < b)
+        lines.append(Trajectory(robot=name, times_s=times_s[keep], positions_m=places_m[keep], charges=charges))
+    if spare:
+        charge = Charge(charger="pad", from_s=0, until_s=REST_S)
+        lines.append(
+            Trajectory(
+                robot="d", times_s=[0, REST_S], positions_m=[(0, 0), (0, 0)], charges=(charge,), loop_start_s=REST_S
+            )
+        )
+    return Plan(mission=relay_mission(tuple(line.robot for line in lines)), trajectories=tuple(lines))
+
+
+def levels_by_steps(line: Trajectory, level_s: float, until_s: float) -> np.ndarray:
+    """The level of a battery step by step, seconds of driving."""
+    moments_s = (np.arange(int(until_s / STEP_S)) + 0.5) * STEP_S
+    fill = BATTERY.endurance_s / BATTERY.recharge_s  # type: ignore[operator]
+    found = [level_s]
+    for docked in on_charger(line, moments_s):
+        found.append(min(found[-1] + fill * STEP_S, BATTERY.endurance_s) if docked else found[-1] - STEP_S)  # type: ignore[type-var]
+    return np.array(found)
+
+
+def judge_by_steps(plan: Plan, at_s: float, found: Replanned) -> None:
+    """Batteries and lateness as steps in time say, from the file alone."""
+    again = plan_from_text(plan_text(found.plan), "it")
+    assert check_plan(again).verdict == found.report.verdict
+    assert {one.kind for one in found.report.violations} <= {"gap"}
+    for line in again:
+        level_s = BATTERY.endurance_s * line.battery  # type: ignore[operator]
+        if line.robot in [one.robot for one in plan]:
+            before_s = levels_by_steps(plan[line.robot], BATTERY.endurance_s, at_s)[-1]  # type: ignore[arg-type]
+            assert level_s == pytest.approx(before_s, abs=0.2)
+        assert levels_by_steps(line, level_s, 600).min() >= BATTERY.reserve_s - 0.2
+    sampled = Sampled(again, lattice(again.mission, 0.4), STEP_S, 500.0, more_m=STEP_S / 2)
+    lateness = found.report.lateness
+    assert lateness is not None
+    if found.meets_demand:
+        worst_s = max(one.worst_at_least_s for one in lateness.demands)
+        assert sampled.worst_s == pytest.approx(worst_s, abs=0.4)
+
+
+def test_the_relay_is_met_and_a_spare_robot_changes_nothing() -> None:
+    assert [check_plan(relay(spare)).verdict for spare in (False, True)] == ["met", "met"]
+
+
+@pytest.mark.parametrize("at_s", [10.0, 250.0])
+def test_a_spare_robot_takes_the_place_of_one_that_is_lost_in_flight(at_s: float) -> None:
+    plan = relay(spare=True)
+    found = replan(plan, at_s=at_s, lost=["a"])  # 10 m round the ring
+    judge_by_steps(plan, at_s, found)
+    assert found.report.verdict == "met"
+    assert found.report.lateness is not None
+    # who starts at the pad is 10 s behind: what lay ahead of the lost one is seen 10 s later than it would have been
+    least_s = 10.0 + ROUND_S - LEFT_S - PERIOD_S
+    worst_s = max(one.worst_s for one in found.report.lateness.demands)
+    assert least_s - 0.5 <= worst_s <= least_s + 0.5  # it stands at a corner, from which both sides are in sight
+    assert found.report.lateness.holds_again_s < 2 * PERIOD_S  # type: ignore[operator]
+
+
+def test_nothing_is_late_where_a_robot_is_lost_on_its_charger_with_one_to_spare() -> None:
+    plan = relay(spare=True)
+    found = replan(plan, at_s=10.0, lost=["b"])  # on the pad, the next to fly
+    judge_by_steps(plan, 10.0, found)
+    assert found.report.verdict == "met"
+    assert found.report.lateness is not None
+    assert found.report.lateness.holds_again_s == 0
+
+
+@pytest.mark.parametrize("lost", ["a", "c"])
+def test_two_of_three_come_in_longer_turns_and_batteries_hold(lost: str) -> None:
+    plan = relay(spare=False)
+    found = replan(plan, at_s=10.0, lost=[lost])
+    judge_by_steps(plan, 10.0, found)
+    (demand,) = found.report.demands
+    # 40 s of flight and 80 s of charging for two: a round each 60 s
+    assert demand.worst_gap_at_least_s / PERIOD_S == pytest.approx((60 - LEFT_S) / PERIOD_S, abs=0.05)
+
+
+def test_one_that_joins_flies_as_soon_as_its_battery_lets_it() -> None:
+    plan = relay(spare=False)
+    for share in (1.0, 0.5):
+        found = replan(plan, at_s=10.0, lost=["a"], joined={"e": (5.0, 0.0)}, battery={"e": share})
+        judge_by_steps(plan, 10.0, found)
+        assert found.report.verdict == "met"
+        assert found.plan["e"].battery == share
+
+
+def test_a_battery_that_is_told_to_be_fuller_than_what_was_driven_leaves_is_found() -> None:
+    plan = relay(spare=True)
+    found = replan(plan, at_s=10.0, lost=["b"]).plan
+    flying = found["a"]  # 10 s of 60 are used
+    assert flying.battery == pytest.approx(50 / 60)
+    cheated = tuple(replace(line, battery=1.0) if line.robot == "a" else line for line in found)
+    report = check_plan(plan_from_text(plan_text(replace(found, trajectories=cheated)), "it"))
+    (violation,) = [one for one in report.violations if one.kind != "gap"]
+    assert (violation.kind, violation.who) == ("battery fuller than what was driven leaves", "a")
+    assert (violation.value, violation.limit, violation.time_s) == pytest.approx((60, 50, 0))
+    assert violation.place_m == pytest.approx((10, 0))
+
+
+def test_a_robot_whose_battery_is_emptier_than_planned_is_heeded() -> None:
+    plan = relay(spare=True)
+    found = replan(plan, at_s=10.0, battery={"a": 0.4})  # 24 s of 30 to the pad, with 10 that are kept
+    judge_by_less = levels_by_steps(found.plan["a"], 24.0, 600)
+    assert judge_by_less.min() >= BATTERY.reserve_s - 0.2
+    assert {one.kind for one in found.report.violations} <= {"gap"}
+
+
+def test_a_plan_that_took_over_is_replanned_with_what_its_batteries_had_left() -> None:
+    plan = relay(spare=True)
+    first = replan(plan, at_s=10.0, lost=["a"]).plan
+    found = replan(first, at_s=37.0, lost=["b"])
+    assert {one.kind for one in found.report.violations} <= {"gap"}
+    for line in found.plan:
+        before_s = levels_by_steps(first[line.robot], 60 * first[line.robot].battery, 37.0)[-1]
+        assert 60 * line.battery == pytest.approx(before_s, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"at_s": math.nan}, "at_s: nan is not allowed"),
+        ({"at_s": -1.0}, r"at_s: -1\.0 is not allowed"),
+        ({"lost": ["z"]}, "lost: robot 'z' is not in the plan"),
+        ({"battery": {"z": 0.5}}, "battery: robot 'z' is not in the plan"),
+        ({"joined": {"e": (0.0, 0.0)}, "battery": {"e": 1.2}}, r"battery: e=1\.2 is not allowed; 0"),
+        ({"battery": {"a": math.nan}}, "battery: a=nan is not allowed"),
+    ],
+)
+def test_changes_that_cannot_be_are_told(change: dict[str, object], told: str) -> None:
+    with pytest.raises(MissionError, match=told):
+        replan(relay(spare=True), **{"at_s": 10.0, **change})  # type: ignore[arg-type]
+
+
+def test_a_changed_mission_keeps_chargers_and_batteries() -> None:
+    plan = relay(spare=True)
+    moved = replace(plan.mission, chargers=(Charger(name="pad", at=(10, 0), places=4),))
+    with pytest.raises(MissionError, match="chargers: 'pad' of the changed mission is not where"):
+        replan(plan, at_s=10.0, mission=moved)
+    robots = tuple(replace(one, battery=replace(BATTERY, endurance_s=80)) for one in plan.mission.fleet.robots or ())
+    stronger = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=robots))
+    with pytest.raises(MissionError, match="the battery of robot a in the changed mission is not as in the plan"):
+        replan(plan, at_s=10.0, mission=stronger)
