@@ -17,6 +17,7 @@ from rota import NoPlanFound, Plan, Replanned, make_plan, read_mission, replan
 
 EXAMPLES = ("warehouse", "building", "parcel", "sun2019-fig13", "coast", "harbour")
 SPARED = EXAMPLES[:4]  # those of which loops for other robots are found within a minute
+CHARGING = ("port-relief", "warehouse-relief")  # those whose robots charge
 LOSSES, OF_EACH = 100, 4  # random losses, and those of one random mission
 STEP_S, POINTS = 0.1, 150
 FIRST_S, RECOVERY = 2.0, 2.0  # what is asked: of the first answer, and of recovery in longest periods
@@ -53,6 +54,19 @@ def replans(options: Options) -> Iterator[Row]:
     yield Row(
         name, f"within {RECOVERY:g} of the longest period", told, sum(one <= RECOVERY for one in recovered) == len(met)
     )
+    yield charging_row()
+
+
+def charging_row() -> Row:
+    """The first answers where robots charge and there is one to spare, and how soon all periods hold again."""
+    plans = [plan_of(name, len(plan_of(name)) + 1) for name in CHARGING]
+    lost = [answer(plan, *loss) for plan in plans for loss in losses(plan)]
+    cpu_s, recovered = [one.first_cpu_s for one in lost], [recovery(one.found) for one in lost]
+    told = f"longest {max(cpu_s):.2f} s, median {np.median(cpu_s):.2f} s of the processor"
+    told += f"; {sum(one <= RECOVERY for one in recovered)} recover so soon, latest {max(recovered):.2f}"
+    reached = max(cpu_s) < FIRST_S and max(recovered) <= RECOVERY
+    asked = f"< {FIRST_S:g} s of the processor, periods hold within {RECOVERY:g} of the longest one"
+    return Row(f"loss of each of {len(lost)} robots that charge, one to spare", asked, told, reached)
 
 
 def plan_of(name: str, robots: int | None = None) -> Plan:
