@@ -153,7 +153,8 @@ class Shadows(NamedTuple):
 
     sides: (n, 9) three half-planes nx, ny, c (n.p > c) whose intersection is the shadow; only where ``hides`` has said
     so. boxes: (n, 4) x0, y0, x1, y1 round the wall. ends: (n, 4) its ends. walls: (n,) its index. known: (n,) what is
-    known of it. number: of the walls; -1: a wall cuts the piece itself, so that it is never seen whole.
+    known of it. number: of the walls; -1: a wall cuts the piece itself, so that it is never seen whole. box: (4,) x0,
+    y0, x1, y1 round the piece.
     """
 
     sides: Floats
@@ -162,3 +163,4 @@ class Shadows(NamedTuple):
     walls: Ints
     known: Ints
     number: int
+    box: Floats

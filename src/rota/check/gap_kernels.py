@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 EXPAND_AT_ONCE, EXPAND_AT_MOST = 512, 100_000
 
 
-@kernel
+@allocation_free
 def _lone_gap(times, m, period_s):
     """Worst gap of the m-th robot alone, whose loop takes ``period_s``, and the time at which it begins."""
     starts, ends, lo, hi = times.starts_s, times.ends_s, times.bounds[m], times.bounds[m + 1]
@@ -78,7 +78,7 @@ def pair_gap(times, a, b, period_a, period_b, shared_s):
     return worst
 
 
-@kernel
+@allocation_free
 def _divisor(a, b):
     """The greatest common divisor of two whole numbers."""
     while b:

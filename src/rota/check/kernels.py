@@ -17,7 +17,7 @@ from rota.check.shadow_kernels import blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, half_width, in_cell
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import NO_LENGTH
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel, noinline
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 FIRST_ROOM = 64  # parts and times that there is room for at first
@@ -40,7 +40,7 @@ def shrunk(corners, start, stop, slack_m):
     return piece
 
 
-@kernel
+@allocation_free
 def part_in_range(piece, leg, reach_m, square):
     """The part (lo, hi) of a leg, in 0..1, from which every corner of a piece is in range; lo > hi when there is none.
 
@@ -74,7 +74,7 @@ def part_in_range(piece, leg, reach_m, square):
     return lo, hi
 
 
-@kernel
+@allocation_free
 def _cut_out(parts, n, a, b):
     """Take the open part a..b out of the n parts of a leg; returns how many parts there are then."""
     kept = 0
@@ -96,7 +96,7 @@ def _cut_out(parts, n, a, b):
     return kept
 
 
-@kernel(noinline=True)
+@noinline
 def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     """Number of parts of a leg (4,) from which the whole piece (c, 2) is seen; ``parts`` takes them, ascending.
 
@@ -107,11 +107,9 @@ def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     n = 1
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     still = dx * dx + dy * dy < NO_LENGTH
-    qx0, qx1, qy0, qy1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
-    x0 = min(qx0, leg[0] + lo * dx, leg[0] + hi * dx)
-    x1 = max(qx1, leg[0] + lo * dx, leg[0] + hi * dx)
-    y0 = min(qy0, leg[1] + lo * dy, leg[1] + hi * dy)
-    y1 = max(qy1, leg[1] + lo * dy, leg[1] + hi * dy)
+    lo_x, lo_y, hi_x, hi_y = leg[0] + lo * dx, leg[1] + lo * dy, leg[0] + hi * dx, leg[1] + hi * dy
+    x0, y0 = min(shadows.box[0], lo_x, hi_x), min(shadows.box[1], lo_y, hi_y)
+    x1, y1 = max(shadows.box[2], lo_x, hi_x), max(shadows.box[3], lo_y, hi_y)
     boxes = shadows.boxes
     for w in range(shadows.number):
         if boxes[w, 0] > x1 or boxes[w, 2] < x0 or boxes[w, 1] > y1 or boxes[w, 3] < y0:

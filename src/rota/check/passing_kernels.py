@@ -32,7 +32,7 @@ from rota.check.kernels import (
 from rota.check.shadow_kernels import CUTS, blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.tolerances import SAME_CORNER_M, SAME_TIME
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 
 class View(NamedTuple):
@@ -60,13 +60,13 @@ class Stretch(NamedTuple):
     place: float
 
 
-@kernel
+@allocation_free
 def _cross(ax, ay, bx, by):
     """The cross product of two vectors in the plane."""
     return ax * by - ay * bx
 
 
-@kernel
+@allocation_free
 def _ends(wall, piece, slack_m, turn):
     """The ends of a wall, (first x, y, last x, y) as the piece sees the leg run, and whether they are sure.
 
@@ -86,7 +86,7 @@ def _ends(wall, piece, slack_m, turn):
     return wall[2], wall[3], wall[0], wall[1], sure
 
 
-@kernel
+@allocation_free
 def _ahead(piece, view, x, y):
     """Whether (x, y) lies ahead of all of the piece."""
     least = math.inf
@@ -95,7 +95,7 @@ def _ahead(piece, view, x, y):
     return least > 0
 
 
-@kernel
+@allocation_free
 def _end_of_hidden(wall, piece, slack_m, view):
     """Which part of the leg a wall hides: 1 before (x, y) as each point of the piece sees it, -1 behind it, 0: unclear.
 
@@ -110,7 +110,7 @@ def _end_of_hidden(wall, piece, slack_m, view):
     return 0, 0.0, 0.0
 
 
-@kernel
+@allocation_free
 def _in_order(piece, turn, before, behind):
     """Whether a(q) <= b(q) for all corners q of the piece and all ends (n, 2) of walls before and (m, 2) behind."""
     for i in range(len(before)):
@@ -164,7 +164,7 @@ def _sees_round(stretch, piece, middle, walls, shadows, slack_m):
     return _in_order(piece, turn, before[:n_before], behind[:n_behind])
 
 
-@kernel
+@allocation_free
 def _same_leg(one, other):
     """Whether two legs (4,) are the same: not ``(one == other).all()``, which compiles messages about shapes."""
     return one[0] == other[0] and one[1] == other[1] and one[2] == other[2] and one[3] == other[3]

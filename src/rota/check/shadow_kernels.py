@@ -13,13 +13,13 @@ import numpy as np
 from rota.check.arrays import Shadows
 from rota.check.tiling_kernels import in_cell
 from rota.check.tolerances import CONE_M, GRID_MARGIN_M
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 RINGS = 16  # by the distance from the piece, into which walls are sorted
 UNKNOWN, CLEAR, HIDES, CUTS = 0, 1, 2, 3  # of a wall: not asked yet, hides nothing, hides part, cuts the piece
 
 
-@kernel
+@allocation_free
 def _shadow(piece, wall, slack_m, shadow):
     """Fill ``shadow`` with the half-planes in whose intersection ``wall`` cuts the piece from every position.
 
@@ -101,7 +101,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
             continue
         # what is no farther off may cut the piece itself
         if gap <= GRID_MARGIN_M and _shadow(piece, wall, slack_m, sides[n]) == 2:
-            return Shadows(sides, np.empty((0, 4)), np.empty((0, 4)), ring, ring, -1)
+            return Shadows(sides, np.empty((0, 4)), np.empty((0, 4)), ring, ring, -1, sides[0])
         ring[i] = min(RINGS - 1, int(RINGS * max(gap, 0.0) / reach_m)) if reach_m > 0 else 0
         first[ring[i] + 1] += 1
         n += 1
@@ -117,10 +117,10 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
         ends[at] = wall
         boxes[at, 0], boxes[at, 1] = min(wall[0], wall[2]), min(wall[1], wall[3])
         boxes[at, 2], boxes[at, 3] = max(wall[0], wall[2]), max(wall[1], wall[3])
-    return Shadows(sides, boxes, ends, index, np.zeros(n, np.int64), n)
+    return Shadows(sides, boxes, ends, index, np.zeros(n, np.int64), n, np.array([x0, y0, x1, y1]))
 
 
-@kernel
+@allocation_free
 def hides(shadows, w, piece, slack_m):
     """Whether the w-th wall hides part of the piece (c, 2) from anywhere; its row of ``sides`` is then filled."""
     if shadows.known[w] == UNKNOWN:
@@ -133,7 +133,7 @@ def hides(shadows, w, piece, slack_m):
     return shadows.known[w] >= HIDES
 
 
-@kernel
+@allocation_free
 def blocked_part(shadow, leg, lo, hi):
     """The open part from, to of lo..hi of a leg (4,) inside a shadow (9,); empty when from is not below to."""
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]

@@ -14,10 +14,10 @@ import numpy as np
 
 from rota.check.arrays import Binned
 from rota.check.tolerances import STILL_M
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 
-@kernel
+@allocation_free
 def cell_along(offset_m, size_m, count):
     """The cell of a grid along one axis, 0 to count - 1; the nearest for an offset outside, the first for nan."""
     cells = offset_m / size_m
@@ -27,7 +27,7 @@ def cell_along(offset_m, size_m, count):
     return count - 1 if cells >= count else int(cells)
 
 
-@kernel
+@allocation_free
 def cell_of(x, y, grid):
     """Number of the cell of a ``Grid`` that holds a place; for places outside the nearest cell."""
     column = cell_along(x - grid.x0_m, grid.cell_m, grid.columns)
@@ -40,7 +40,7 @@ def in_cell(binned, cell):
     return binned.items[binned.offsets[cell] : binned.offsets[cell + 1]]
 
 
-@kernel
+@allocation_free
 def _cells_between(low_m, high_m, size_m, count):
     """The first and last cell that an interval along one axis meets; last is before first where it meets none."""
     if not (high_m >= 0.0 and low_m < size_m * count):
@@ -83,7 +83,7 @@ def rasterise(segments, margin_m, grid):
     return Binned(segments, offsets, index)
 
 
-@kernel
+@allocation_free
 def _rows_of_triangle(corners_m, triangle, left_m, right_m, margin_m, grid):
     """The first and last row of a grid that a triangle comes within a margin of, between two lines along y."""
     low, high = math.inf, -math.inf
@@ -220,7 +220,7 @@ def halve(offsets, corners, cuts, narrowest_m):
     return new_offsets[: count + 1].copy(), new_corners[:top].copy(), parent[:count].copy()
 
 
-@kernel
+@allocation_free
 def half_width(corners, start, stop):
     """Distance in metres from the mean of corners[start:stop] to the nearest side; 0 for less than a triangle."""
     if stop - start < 3:

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free
 
 
-@kernel
+@allocation_free
 def time_along(begin_s, end_s, bend, share):
     """The time in seconds at which a robot has done the share, 0..1, of a leg from begin_s to end_s.
 

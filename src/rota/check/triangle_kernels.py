@@ -14,12 +14,12 @@ import numpy as np
 from rota.check.arrays import WALL
 from rota.check.tiling_kernels import cell_of
 from rota.check.tolerances import NO_WAY_THROUGH_M
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 MOST_STEPS = 4  # times as many triangles as there are: a look that takes more, which none should, sees
 
 
-@kernel
+@allocation_free
 def _inner_side(corners_m, a, b, x, y):
     """How many metres (x, y) lies inwards of the side of a triangle from corner a to corner b."""
     ax, ay = corners_m[a, 0], corners_m[a, 1]
@@ -28,7 +28,7 @@ def _inner_side(corners_m, a, b, x, y):
     return (dx * (y - ay) - dy * (x - ax)) / length if length > 0 else 0.0
 
 
-@kernel
+@allocation_free
 def _triangle_at(ground, x, y):
     """The triangle of the ``Triangles`` that holds (x, y), or the nearest by rounding; -1 where there is none."""
     best, best_m = -1, -NO_WAY_THROUGH_M
@@ -44,7 +44,7 @@ def _triangle_at(ground, x, y):
     return best
 
 
-@kernel
+@allocation_free
 def _overlap_m(ground, t, piece):
     """By how many metres a triangle and a convex piece (c, 2) overlap at most, below 0 where they lie apart.
 
@@ -78,7 +78,7 @@ def _overlap_m(ground, t, piece):
     return least
 
 
-@kernel
+@allocation_free
 def _triangles_under(ground, piece, middle, room):
     """How many triangles a piece (c, 2) touches, from the one at its middle on: the first rows of ``room`` (t,)."""
     room[0], count, done = middle, 1, 0
@@ -98,7 +98,7 @@ def _triangles_under(ground, piece, middle, room):
     return count
 
 
-@kernel
+@allocation_free
 def _near_m(x, y, ax, ay, bx, by, square):
     """How near a segment comes to (x, y): in metres, or by the larger of both axes for a square sensor."""
     ax, ay, bx, by = ax - x, ay - y, bx - x, by - y
@@ -117,7 +117,7 @@ def _near_m(x, y, ax, ay, bx, by, square):
     return nearest
 
 
-@kernel
+@allocation_free
 def _sight_through(view, ax, ay, bx, by):
     """The part from, to in 0..1 of the way from (ax, ay) to (bx, by) that lines of a view pass; see ``_narrow``."""
     low, high = 0.0, 1.0
@@ -137,7 +137,7 @@ def _sight_through(view, ax, ay, bx, by):
     return low, high
 
 
-@kernel
+@allocation_free
 def _narrow(view, ax, ay, bx, by):
     """Narrow a view to the lines that pass a side with its right end at (ax, ay) and its left end at (bx, by).
 
@@ -159,7 +159,7 @@ def _narrow(view, ax, ay, bx, by):
             view[4 * side + 2], view[4 * side + 3] = x, y
 
 
-@kernel
+@allocation_free
 def _begin(view, source, is_left, ax, ay, bx, by):
     """The view from a source (4,), a segment, through a side; is_left: the source begins with its left end."""
     left, right = (0, 2) if is_left else (2, 0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import OUTSIDE, TOUCH_M, contacts_of, meets_between_touches
 
 SECTORS = 256  # of directions, a multiple of 4, each with the edge that barred the last segment there
@@ -13,14 +13,14 @@ BESIDE = 8  # edges before and after that one, along its border, that are tried 
 SURE_M = 2 * TOUCH_M  # an edge that reaches so far past a segment, on both sides, properly crosses it
 
 
-@kernel
+@allocation_free
 def _sector(dx, dy):
     """The sector of a direction, not all of them alike in width; dx and dy are not both 0."""
     along = dx / (abs(dx) + abs(dy))
     return int((SECTORS // 4) * (1.0 - along if dy >= 0.0 else 3.0 + along)) % SECTORS
 
 
-@kernel
+@allocation_free
 def _surely_crosses(ax, ay, dx, dy, edges, k):
     """Whether edge k surely crosses the segment from a along d; it takes no root and no division."""
     ex, ey, fx, fy = edges[k, 0] - ax, edges[k, 1] - ay, edges[k, 2] - ax, edges[k, 3] - ay

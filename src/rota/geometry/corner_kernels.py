@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.bundle_kernels import SECTORS, segment_is_free_too
 from rota.geometry.kernels import TOUCH_M
 
 
-@kernel
+@allocation_free
 def _can_bend(px, py, corner):
     """Whether a shortest path straight from the point may bend at the corner (6,): its line is a tangent there."""
     dx, dy = corner[0] - px, corner[1] - py
@@ -60,7 +60,7 @@ class KnownLinks(NamedTuple):
     boxes_m: Any
 
 
-@kernel
+@allocation_free
 def _meets_box(ax, ay, bx, by, boxes):
     """Whether the line from a to b meets any of the boxes (b, 4), or comes near a corner of one."""
     low_x, high_x, low_y, high_y = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
@@ -75,7 +75,7 @@ def _meets_box(ax, ay, bx, by, boxes):
     return False
 
 
-@kernel
+@allocation_free
 def _may_link(k, corners, sides, may):
     """Fill ``may`` (c,) for all corners after the k-th: whether the line between them is a tangent at both.
 
@@ -124,7 +124,7 @@ def bitangents_of(first, last, corners, corner_part, grid, known):
     return pairs[:count].copy()
 
 
-@kernel
+@allocation_free
 def _may_bend(px, py, sides, may):
     """Fill ``may`` (c,) as ``_can_bend`` tells for each of the corners with these sides, without a branch."""
     x, y, before_x, before_y, after_x, after_y = sides
@@ -161,7 +161,7 @@ def tangents(points, part, corners, corner_part, grid):
     return linked
 
 
-@kernel
+@allocation_free
 def _lengths_to_corners(px, py, linked, corners, between, lengths):
     """Fill lengths (c,) with those of the shortest paths from the point, by way of its links, to each corner."""
     lengths[:] = inf

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.by_reference import by_reference
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel, noinline
 
 TOUCH_M = 1e-9
 LEAST_M2 = 1e-300  # the square of the length of an edge: corners so near that it rounds to 0 are one place
@@ -41,7 +41,7 @@ class EdgeGrid(NamedTuple):
     clear: Any
 
 
-@kernel
+@allocation_free
 def _edge_meets_box(edge, left, low, right, high):
     """Whether an edge (4,) has a point in the closed box."""
     if max(edge[0], edge[2]) < left or min(edge[0], edge[2]) > right:
@@ -103,7 +103,7 @@ def rows_of_edges(edges, y0, cell_m, ny, margin_m):
     return start, items
 
 
-@kernel
+@allocation_free
 def _is_left_of_odd_edges(px, py, edges, items, begin, end):
     """Crossing parity of the ray from the point to the right, over edges items[begin:end]."""
     odd = False
@@ -145,7 +145,7 @@ def clearances(edges, x0, y0, cell_m, nx, ny, start, items):
     return signed
 
 
-@kernel
+@allocation_free
 def _place(px, py, grid, touch_m):
     """INSIDE, OUTSIDE, or BORDER for a point within touch_m of an edge."""
     u, v = (px - grid.x0) / grid.cell_m, (py - grid.y0) / grid.cell_m
@@ -168,13 +168,13 @@ def _place(px, py, grid, touch_m):
     return INSIDE if odd else OUTSIDE
 
 
-@kernel(noinline=True)
+@noinline
 def point_in_space(px, py, grid):
     """Whether the point lies in the closed space."""
     return _place(px, py, grid, TOUCH_M) != OUTSIDE
 
 
-@kernel
+@allocation_free
 def _contact(ax, ay, bx, by, ux, uy, edges, k):
     """0: apart, 1: within TOUCH_M of each other, 2: properly crossing; (ux, uy) is the unit vector from a to b."""
     ex0, ey0, ex1, ey1 = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
@@ -193,7 +193,7 @@ def _contact(ax, ay, bx, by, ux, uy, edges, k):
     return 2
 
 
-@kernel
+@allocation_free
 def _clip_to_grid(ax, ay, dx, dy, grid):
     """First and last parameter of a + t d, t in 0..1, in the grid; the first is greater when there is none."""
     wide, high = grid.nx * grid.cell_m, grid.ny * grid.cell_m
@@ -215,7 +215,7 @@ def _clip_to_grid(ax, ay, dx, dy, grid):
     return first, last
 
 
-@kernel
+@allocation_free
 def contacts_of(ax, ay, bx, by, grid, touches):
     """How many touches of edges lie on the segment; -1 - k when it properly crosses edge k, the first one found.
 

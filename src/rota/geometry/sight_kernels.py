@@ -7,11 +7,11 @@ from math import hypot, inf
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import TOUCH_M
 
 
-@kernel
+@allocation_free
 def is_inside(walls):
     """Whether the origin lies to the left of the walls: crossing parity of the ray to the right."""
     odd = False
@@ -22,7 +22,7 @@ def is_inside(walls):
     return odd
 
 
-@kernel
+@allocation_free
 def _clip(x0, y0, x1, y1, frame):
     """Parameters of the part of the wall inside the convex frame (sides with the inside on the left)."""
     first, last = 0.0, 1.0
@@ -39,7 +39,7 @@ def _clip(x0, y0, x1, y1, frame):
     return first, last
 
 
-@kernel
+@allocation_free
 def lines_in_frame(walls, frame, lines, rays):
     """Fill lines with the walls inside the frame, turning left round the origin; return how many, and how many rays.
 

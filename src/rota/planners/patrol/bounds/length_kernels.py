@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 
 LONGEST = 32  # tasks of one robot: a longer order ends the search
 FAR = 1e300
@@ -40,7 +40,7 @@ class Tasks(NamedTuple):
     apart_m: Any
 
 
-@kernel
+@allocation_free
 def move_into(place: int, x: float, y: float, tasks: Any, at: Any) -> None:
     """Write the point of the place that is nearest to (x, y) into at (2,)."""
     at[0], at[1] = x, y
@@ -68,7 +68,7 @@ def move_into(place: int, x: float, y: float, tasks: Any, at: Any) -> None:
             at[0], at[1] = near_x, near_y
 
 
-@kernel
+@allocation_free
 def least_along(place: int, x: float, y: float, tasks: Any) -> float:
     """The least scalar product of (x, y) with a point of the place."""
     if tasks.corners[place] == 0:
@@ -80,7 +80,7 @@ def least_along(place: int, x: float, y: float, tasks: Any) -> float:
     return least
 
 
-@kernel
+@allocation_free
 def proved_length(order: Any, xy: Any, weight: Any, first: int, last: int, tasks: Any) -> float:
     """What the dual program proves of the way past the tasks order[first : last + 1], by its legs' directions.
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.bounds.length_kernels import FAR, LONGEST, is_longer, move_into
 
 IMPOSSIBLE, POSSIBLE, OPEN = 0, 1, -1
@@ -32,7 +32,7 @@ class Orders(NamedTuple):
     xy_m: Any
 
 
-@kernel
+@allocation_free
 def insert(orders: Any, robot: int, task: int, at: int, order: Any, xy: Any, tasks: Any) -> int:
     """Write the robot's tasks with one more at a place in their order into order (m,) and xy (m, 2); how many."""
     count = orders.count[robot]

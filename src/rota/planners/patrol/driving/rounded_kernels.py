@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.tolerances import SHORTEST_S, STRAIGHT, TIE
 
 BISECTIONS = 40
@@ -44,7 +44,7 @@ class Heading(NamedTuple):
     uy: float
 
 
-@kernel
+@allocation_free
 def change_s(change_m_s, most_m_s2, jerk_m_s3):
     """Seconds that a change of velocity by so much takes."""
     if change_m_s < most_m_s2 * most_m_s2 / jerk_m_s3:
@@ -52,19 +52,19 @@ def change_s(change_m_s, most_m_s2, jerk_m_s3):
     return change_m_s / most_m_s2 + most_m_s2 / jerk_m_s3
 
 
-@kernel
+@allocation_free
 def ramp_m(from_m_s, to_m_s, limits):
     """Metres in which the speed changes from one to another."""
     return (from_m_s + to_m_s) / 2 * change_s(abs(to_m_s - from_m_s), limits.along_m_s2, limits.jerk_m_s3)
 
 
-@kernel
+@allocation_free
 def _corner_m_s2(sine, limits):
     """The greatest acceleration round a corner: where it leads straight back, its parabola is the way itself."""
     return limits.corner_m_s2 if sine < 1 - TIE else min(limits.corner_m_s2, limits.along_m_s2)
 
 
-@kernel
+@allocation_free
 def rounding(speed_m_s, sine, limits):
     """Of a corner passed at this speed: seconds, metres from the corner to either end, and how far off it passes.
 
@@ -80,7 +80,7 @@ def rounding(speed_m_s, sine, limits):
     return whole_s, speed_m_s * half_s, off_m
 
 
-@kernel
+@allocation_free
 def fastest_round(sine, shorter_m, limits):
     """The greatest speed at a corner whose shorter leg is so long."""
     if sine < STRAIGHT:
@@ -101,7 +101,7 @@ def fastest_round(sine, shorter_m, limits):
     return low
 
 
-@kernel
+@allocation_free
 def greatest_corner_speed(from_m_s, from_half_m, to_m_s, sine, leg_m, limits):
     """The greatest speed at a corner, of at most ``to_m_s``, that the leg leaves room for.
 
@@ -121,7 +121,7 @@ def greatest_corner_speed(from_m_s, from_half_m, to_m_s, sine, leg_m, limits):
     return low
 
 
-@kernel
+@allocation_free
 def peak_m_s(from_m_s, to_m_s, room_m, limits):
     """The greatest speed on a way of ``room_m`` that begins and ends at these speeds."""
     high = limits.speed_m_s
@@ -137,7 +137,7 @@ def peak_m_s(from_m_s, to_m_s, room_m, limits):
     return low
 
 
-@kernel
+@allocation_free
 def between_s(from_m_s, to_m_s, room_m, limits):
     """Seconds that a way of ``room_m`` takes that begins and ends at these speeds."""
     peak = peak_m_s(from_m_s, to_m_s, room_m, limits)
@@ -196,7 +196,7 @@ def round_s(vertices_m, limits):
     return total_s
 
 
-@kernel
+@allocation_free
 def _add_row(rows, n, x, y, in_s, acceleration):
     """Write a leg that ends at (x, y) after so long; one that takes next to no time is left to the next one.
 
@@ -211,7 +211,7 @@ def _add_row(rows, n, x, y, in_s, acceleration):
     return n + 1
 
 
-@kernel
+@allocation_free
 def _add_ramp(rows, n, at, from_m_s, to_m_s, limits):
     """Write a change of speed that begins at a heading: one leg, or three where jerk is limited."""
     x, y, ux, uy = at
@@ -231,7 +231,7 @@ def _add_ramp(rows, n, at, from_m_s, to_m_s, limits):
     return n
 
 
-@kernel
+@allocation_free
 def _add_rounding(rows, n, at, towards, corner, step_s, limits):
     """Write a rounded corner, a row of ``corners_of``, from a heading on, by its tangents, at most so much time apart.
 

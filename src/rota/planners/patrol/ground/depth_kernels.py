@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_from_x
 from rota.planners.patrol.tolerances import ON_LINE_M, TIE
 
@@ -51,7 +51,7 @@ def _borders() -> Any:
     return borders
 
 
-@kernel(error_model="numpy")
+@allocation_free
 def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any, blocked: Any) -> None:
     """Let one wall, from u to v as seen from the point, bring down the depths of the sectors that it reaches into."""
     turn = ux * vy - uy * vx

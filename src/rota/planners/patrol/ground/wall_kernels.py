@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.ground.sight_kernels import norm
 from rota.planners.patrol.tolerances import ON_LINE_M
 
@@ -78,7 +78,7 @@ def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, t
     return np.sort(near[:count])
 
 
-@kernel(error_model="numpy")
+@allocation_free
 def away_from(x: float, y: float, wall: Any) -> float:
     """Distance of a point from a wall."""
     ux, uy, wx, wy = x - wall[0], y - wall[1], wall[2] - wall[0], wall[3] - wall[1]
@@ -165,7 +165,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
             needed[hit] = True
 
 
-@kernel(error_model="numpy")
+@allocation_free
 def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: float, sectors: int) -> Any:
     """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
 
@@ -191,7 +191,7 @@ def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: fl
     return away, first, min(last, first + sectors - 1)
 
 
-@kernel(error_model="numpy")
+@allocation_free
 def lies_on(wall: Any, x: float, y: float) -> Any:
     """Whether a point lies on a wall, its ends not included."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
@@ -200,7 +200,7 @@ def lies_on(wall: Any, x: float, y: float) -> Any:
     return turn * turn <= ON_LINE_M * ON_LINE_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
 
 
-@kernel(error_model="numpy")
+@allocation_free
 def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
     """Distance along a ray from (x, y) along d to the wall, inf when it misses or starts on the wall's line."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y

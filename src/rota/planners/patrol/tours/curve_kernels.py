@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.compiled.kernel import kernel
+from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import segment_is_free
 
 
@@ -56,14 +56,14 @@ class Leg(NamedTuple):
     headings_b: NDArray[np.float64]
 
 
-@kernel
+@allocation_free
 def _wrap(angle):
     """The angle in 0..2 pi; what rounding leaves just below 2 pi is 0."""
     angle = angle % math.tau
     return 0.0 if angle > math.tau - NO_TURN_RAD else angle
 
 
-@kernel
+@allocation_free
 def word_pieces(word, d, a, b, pieces):
     """The three pieces (3,) of a word in units of the radius, turns as angles; False where it does not lead there.
 
@@ -113,7 +113,7 @@ def word_pieces(word, d, a, b, pieces):
     return True
 
 
-@kernel
+@allocation_free
 def word_corners(word, x, y, heading, pieces, radius_m, corners):
     """The corners (k, 2) of the legs along a word that begins at (x, y), without both its ends; returns k."""
     k = 0
@@ -150,14 +150,14 @@ def _corners_are_free(ax, ay, corners, count, bx, by, grid):
     return segment_is_free(x, y, bx, by, grid)
 
 
-@kernel
+@allocation_free
 def _relative(a, b, heading_a, heading_b, radius_m):
     """What word_pieces takes: the distance over the radius, and the headings from the direction of the far end."""
     along = math.atan2(b[1] - a[1], b[0] - a[0])
     return math.hypot(b[0] - a[0], b[1] - a[1]) / radius_m, heading_a - along, heading_b - along
 
 
-@kernel
+@allocation_free
 def _length_m(word, pieces, radius_m):
     """The length of a word, as the legs beside its arcs are driven."""
     total = 0.0

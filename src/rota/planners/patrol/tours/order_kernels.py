@@ -44,7 +44,7 @@ def improve_once(d: Any, near: Any, least: float, order: Any) -> bool:
     return shorter
 
 
-@kernel
+@allocation_free
 def two_opt_at(a: int, d: Any, near: Any, least: float, order: Any, place: Any) -> bool:
     """Replace the edge after or before place a by one to a neighbour, if that gains more than ``least``."""
     n = order.shape[0]
