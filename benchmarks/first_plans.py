@@ -1,4 +1,4 @@
-"""Ten jobs of which a user expects a first plan at once: after how long there is one that the check passes."""
+"""Eleven jobs of which a user expects a first plan at once: after how long there is one that the check passes."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from benchmarks.stopping_missions import (
     write_building,
     write_corridor,
     write_drones,
+    write_entered_building,
     write_open_field,
     write_rectangle,
     write_wide_turns,
@@ -68,6 +69,7 @@ MISSIONS: Mapping[str, Callable[[Path], Path]] = {
     "a no-fly zone over a third of the area": write_no_fly,
     "a drawn building": lambda _: EXAMPLES / "building.yaml",
     "a ragged building of 1,400 corners": write_building,
+    "the same, entered where the map says": write_entered_building,
     "7.4 km2 for four robots": write_wide_ground,
 }
 

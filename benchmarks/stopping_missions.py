@@ -26,6 +26,13 @@ def write_building(folder: Path) -> Path:
     return mission
 
 
+def write_entered_building(folder: Path) -> Path:
+    """The same for robots that come to all from where the map says that inside is, as Nav2's depot as it is shipped."""
+    mission = write_building(folder)
+    mission.write_text(mission.read_text().replace("  entrances: null\n", ""))
+    return mission
+
+
 def write_corridor(folder: Path) -> Path:
     """22 km by 60 m, as wide as a disc."""
     return write_rectangle(folder, "corridor-22-km", (22_000.0, 60.0), 1000.0, speed_m_s=10.0, radius_m=30.0)

@@ -10,8 +10,9 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from rota.geometry.free_space import standing_space_in
+from rota.geometry.free_space import standing_anywhere, standing_space_in
 from rota.geometry.shortest_path import ShortestPaths
+from rota.geometry.tiles import Box, clip
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tolerances import HAIR_M
@@ -20,6 +21,7 @@ Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
 FINE_ARC_CORNERS = (128, 2048)
+MOST_DRAWN_WHOLE = 5_000  # corners of ground whose finer space takes as long to draw as a few pieces of it
 GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
 CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
@@ -39,7 +41,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     for group_m in _groups(hidden_m, GROUP * problem.reach_m):
         box = (*(group_m.min(axis=0) - near_m), *(group_m.max(axis=0) + near_m))
         for arc_corners in FINE_ARC_CORNERS:
-            fine = standing_space_in(problem.mission, body_m, box, arc_corners=arc_corners)
+            fine = finer_space_in(problem, box, arc_corners)
             fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
             places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)
             for place_m in places_m[ranges_m <= problem.reach_m]:
@@ -58,6 +60,14 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
     return replace(problem, space=wider, paths=paths)
+
+
+def finer_space_in(problem: Problem, box: Box, arc_corners: int) -> MultiPolygon:
+    """The part in a box of the space with arcs of so many corners, which is drawn once for all where that is soon."""
+    mission, body_m = problem.mission, problem.robot.body_radius_m
+    if len(problem.paths.corners_m) > MOST_DRAWN_WHOLE:
+        return standing_space_in(mission, body_m, box, arc_corners=arc_corners)
+    return clip(standing_anywhere(mission, body_m, arc_corners=arc_corners), box)
 
 
 def _groups(points_m: Floats, side_m: float) -> list[Floats]:

@@ -43,6 +43,10 @@ LAID_OUT = "all that the mission asks for was laid out"
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
 
+SHORT_WALL, NOOK_RAD = 0.1, 0.5  # of the reach: walls between which a corner that turns by more is a nook
+MANY_NOOKS = 50  # and more than one for each square of the reach, are those of ragged ground
+
+
 @dataclass(frozen=True, kw_only=True)
 class Problem:
     """What the search works on.
@@ -103,8 +107,14 @@ class Problem:
 
     @property
     def is_ragged(self) -> bool:
-        """Whether the space has very many corners, as that of a scanned floor has."""
-        return len(self.paths.corners_m) > MOST_DENSE
+        """Whether walls run as ragged as those of a scanned floor: of very many corners, or full of nooks."""
+        return len(self.paths.corners_m) > MOST_DENSE or self.is_full_of_nooks
+
+    @cached_property
+    def is_full_of_nooks(self) -> bool:
+        """Whether much lies in nooks that no body enters: it is seen through slits, for which samples are too few."""
+        nooks = count_nooks(self.walls, min(SHORT_WALL * self.reach_m, self.robot.body_radius_m))
+        return nooks > max(MANY_NOOKS, self.asked_m2 / self.reach_m**2)
 
     @property
     def pace_m_s(self) -> float:
@@ -176,6 +186,16 @@ def set_up_problem(
         at_limit=at_limit, range_margin_m=margin_m, spacing_m=spacing_m,
         lanes_overlap_m=0.0 if roomy is mission else float(points.shrink_m.max(initial=0.0)),
     )  # fmt: skip
+
+
+def count_nooks(walls: Floats, most_m: float) -> int:
+    """The corners between walls (k, 4), both shorter than ``most_m``, that follow each other with a sharp turn."""
+    step = walls[:, 2:] - walls[:, :2]
+    before, after = step[:-1], step[1:]
+    turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
+    short = np.hypot(*step.T) < most_m
+    follows = (walls[:-1, 2:] == walls[1:, :2]).all(axis=1)
+    return int(np.count_nonzero(short[:-1] & short[1:] & follows & (np.abs(turn) > NOOK_RAD)))
 
 
 def surely_seen(

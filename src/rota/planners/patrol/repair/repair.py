@@ -154,7 +154,7 @@ def repair_until_feasible(
             break
         if len(new):
             again = new if stuck else ask_again(context.problem, extra, new)
-            extra = repaired.extra
+            asked_before, extra = len(extra), repaired.extra
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
             led_elsewhere = False
             continue
