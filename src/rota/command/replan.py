@@ -52,7 +52,10 @@ def replan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
 ) -> None:
-    """Replan from a moment on, with robots lost, new or late; each better plan takes the place of the last."""
+    """Replan from a moment on, with robots lost, new or late.
+
+    Each better plan takes the place of the last.
+    """
     require_target(output, source=plan)
     before = read_plan_argument(plan)
     changed = None if mission is None else _changed_mission(mission)
@@ -143,14 +146,14 @@ def _places(given: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def _numbers(given: list[str], option: str, unit: str, such: str) -> dict[str, float]:
-    """Robots and numbers of NAME=S, or another letter."""
-    late = {}
+    """Robots and their numbers, given as NAME=NUMBER."""
+    numbers = {}
     for text in given:
-        name, _, seconds = text.rpartition("=")
+        name, _, number = text.rpartition("=")
         if not name:
             raise RotaError(f"{option}: {text!r} is not allowed; NAME={unit} is needed, such as {such}")
-        late[name] = _number(option, text, seconds)
-    return late
+        numbers[name] = _number(option, text, number)
+    return numbers
 
 
 def _number(option: str, text: str, part: str) -> float:

@@ -20,7 +20,10 @@ SAME = 1e-5  # share by which numbers may differ that another processor rounds o
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON has it: infinite numbers as text, fields of dataclasses and named tuples by their names."""
+    """A value as JSON has it: infinite numbers as text, fields of dataclasses and named tuples by their names.
+
+    What a plan file leaves out at its default, and older ones did not have, is left out here as well.
+    """
     if value is None or isinstance(value, bool | str):
         return value
     if isinstance(value, np.ndarray):
@@ -32,7 +35,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, float | np.floating):
         return _number(float(value))
     if dataclasses.is_dataclass(value):
-        return {item.name: plain(getattr(value, item.name)) for item in dataclasses.fields(value)}
+        items = [(item, getattr(value, item.name)) for item in dataclasses.fields(value)]
+        return {item.name: plain(part) for item, part in items if not _is_spared(item, part)}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return {name: plain(part) for name, part in value._asdict().items()}
     if isinstance(value, Mapping):
@@ -40,6 +44,12 @@ def plain(value: Any) -> Any:
     if isinstance(value, Sequence):
         return [plain(part) for part in value]
     raise TypeError(f"{type(value).__name__}: a record cannot hold it")
+
+
+def _is_spared(item: dataclasses.Field[Any], value: Any) -> bool:
+    """Whether a field is one that plan files leave out at its default, and that is at it."""
+    may_be = item.metadata.get("newer") and item.metadata.get("spared")
+    return bool(may_be) and type(value) is type(item.default) and bool(value == item.default)
 
 
 def _numbers(values: np.ndarray[Any, Any]) -> Any:
