@@ -52,10 +52,7 @@ def replan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
 ) -> None:
-    """Replan from a moment on, with robots lost, new or late.
-
-    Each better plan takes the place of the last.
-    """
+    """Replan from a moment on, with robots lost, new or late."""
     require_target(output, source=plan)
     before = read_plan_argument(plan)
     changed = None if mission is None else _changed_mission(mission)
