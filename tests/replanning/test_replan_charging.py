@@ -4,57 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from benchmarks.time_sampling import Sampled, lattice
-from tests.replanning.rings import CORNERS_M, ROUND_S, ring_mission
+from tests.replanning.relays import BATTERY, PERIOD_S, relay
+from tests.replanning.rings import ROUND_S
 
 from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
 from rota.files.plan_file import plan_from_text, plan_text
-from rota.model.battery_limits import BatteryLimits
-from rota.model.mission import Charger, Mission
-from rota.model.plan import Charge
+from rota.model.mission import Charger
 from rota.routes.flights import on_charger
 
-PERIOD_S, STEP_S = 41.0, 0.05
-# a round of 40 s takes 80 s of charging: three robots take turns at the ring
-BATTERY = BatteryLimits(endurance_s=60, recharge_s=120, reserve_s=10)
+STEP_S = 0.05
 LEFT_S = 2.4  # for which a place is in sight while a robot passes it
-REST_S = 1.0  # told of a robot that stays
-
-
-def relay_mission(names: tuple[str, ...], **of_fleet: object) -> Mission:
-    """The ring with a pad on it."""
-    mission = ring_mission(PERIOD_S, names)
-    fleet = replace(mission.fleet, battery=BATTERY, **of_fleet)  # type: ignore[arg-type]
-    robots = tuple(replace(robot, battery=BATTERY) for robot in fleet.robots or ())
-    return replace(mission, fleet=replace(fleet, robots=robots), chargers=(Charger(name="pad", at=(0, 0), places=4),))
-
-
-@cache
-def relay(spare: bool) -> Plan:
-    """Three robots that take turns, 40 s apart: at 0 the first begins its round; and one more on the pad, or not."""
-    lines = []
-    for k, name in enumerate("abc"):
-        begins_s = ROUND_S * k
-        out_s = begins_s + np.arange(0, 50, 10.0)
-        times_s, places_m = np.append(out_s, 120.0), np.vstack([CORNERS_M, CORNERS_M[:1]])
-        if begins_s > 0:
-            times_s, places_m = np.append(0.0, times_s), np.vstack([CORNERS_M[:1], places_m])
-        keep = np.append(True, np.diff(times_s) > 0)
-        stays = [(0.0, begins_s), (begins_s + ROUND_S, 120.0)]
-        charges = tuple(Charge(charger="pad", from_s=a, until_s=b) for a, b in stays if a < b)
-        lines.append(Trajectory(robot=name, times_s=times_s[keep], positions_m=places_m[keep], charges=charges))
-    if spare:
-        charge = Charge(charger="pad", from_s=0, until_s=REST_S)
-        lines.append(
-            Trajectory(
-                robot="d", times_s=[0, REST_S], positions_m=[(0, 0), (0, 0)], charges=(charge,), loop_start_s=REST_S
-            )
-        )
-    return Plan(mission=relay_mission(tuple(line.robot for line in lines)), trajectories=tuple(lines))
 
 
 def levels_by_steps(line: Trajectory, level_s: float, until_s: float) -> np.ndarray:

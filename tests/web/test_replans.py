@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import expect
 from starlette.testclient import TestClient
+from tests.replanning.relays import relay
 from tests.replanning.rings import ring_plan
 from tests.web.conftest import open_page
 from tests.web.drawing import COMPILING_MS
@@ -19,9 +20,9 @@ from rota.files.plan_file import plan_from_text, plan_text
 PAIR = plan_text(ring_plan(45, {"a": 0.0, "b": 20.0})).encode()
 
 
-def given_plan(client: Any) -> str:
-    """The id of a plan of two robots on a ring, of whom one is enough."""
-    return str(client.post("/api/plans", files={"plan": ("pair.rota.json", PAIR)}).raise_for_status().json()["id"])
+def given_plan(client: Any, plan: bytes = PAIR) -> str:
+    """The id of a plan: of two robots on a ring, of whom one is enough, unless another is given."""
+    return str(client.post("/api/plans", files={"plan": ("given.rota.json", plan)}).raise_for_status().json()["id"])
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +45,15 @@ def test_a_replan_is_a_job_whose_plan_takes_over_and_can_be_run_again(client: Te
     again = client.post(f"/api/jobs/{job['id']}/again").json()
     assert again["change"] == job["change"]
     assert job_when(client, again["id"], "done")["plan"] is not None
+
+
+def test_a_robot_that_charges_is_replaced_by_one_to_spare(client: TestClient) -> None:
+    plan = given_plan(client, plan_text(relay(spare=True)).encode())
+    job = client.post(f"/api/plans/{plan}/replan", json={"at_s": 130, "lost": ["b"]}).json()
+    ended = job_when(client, job["id"], "done")
+    made = plan_from_text(client.get(f"/api/plans/{ended['plan']}/plan.rota.json").content, "it")
+    assert (len(made), check_plan(made).verdict) == (3, "met")
+    assert 0 < made["a"].battery < 1
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
             continue
         # what is no farther off may cut the piece itself
         if gap <= GRID_MARGIN_M and _shadow(piece, wall, slack_m, sides[n]) == 2:
-            return Shadows(sides, np.empty((0, 4)), np.empty((0, 4)), ring, ring, -1, sides[0])
+            return Shadows(sides, np.empty((0, 4)), np.empty((0, 4)), ring, ring, -1, np.empty(0))
         ring[i] = min(RINGS - 1, int(RINGS * max(gap, 0.0) / reach_m)) if reach_m > 0 else 0
         first[ring[i] + 1] += 1
         n += 1

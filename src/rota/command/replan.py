@@ -52,16 +52,15 @@ def replan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
 ) -> None:
-    """Replan from a moment on, with robots lost, new or late."""
+    """Replan from a moment on, with robots lost, new or late.
+
+    The first plan is written within moments, and each better one in its place.
+    """
     require_target(output, source=plan)
     before = read_plan_argument(plan)
     changed = None if mission is None else _changed_mission(mission)
     shares = _numbers(battery or [], "--battery", "SHARE", "robot-6=0.4")
-    lost_ones, joined_ones, late_ones = (
-        lost or [],
-        _places(joined or []),
-        _numbers(late or [], "--late", "S", "robot-2=8"),
-    )
+    places, delays = _places(joined or []), _numbers(late or [], "--late", "S", "robot-2=8")
     asked = changed or before.mission
     mention_compiling(*compiled_packages(asked))
     from rota.replanning.replan import replan as search
@@ -70,7 +69,7 @@ def replan(
         try:
             with progress_bar() as bar:
                 found = search(
-                    before, at_s=at, lost=lost_ones, joined=joined_ones, late=late_ones, mission=changed,
+                    before, at_s=at, lost=lost or (), joined=places, late=delays, mission=changed,
                     battery=shares, seed=seed, time_limit_s=time_limit, should_stop=stop, progress=bar.show,
                     on_better=_teller(output),
                 )  # fmt: skip

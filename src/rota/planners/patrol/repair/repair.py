@@ -131,10 +131,10 @@ def repair_until_feasible(
             proved = pool.submit(with_best_bound, context)
             tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
         context, tours = proved.result(), cut_where_bodies_touch(problem, tours)
-    asked_before, led_elsewhere = len(extra), True
+    missed: SamplePoints | None = None  # all that tours are to be led past; None: all samples
     for turn in range(1, rounds + 1):
-        if may_add and context.problem.is_ragged and not led_elsewhere:
-            tours = seeing_missed(context, tours, extra[np.arange(asked_before, len(extra))], seed=context.seed)
+        if may_add and context.problem.is_ragged and missed is not None:
+            tours = seeing_missed(context, tours, missed, seed=context.seed)
         else:
             tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
         if turn > 1 and is_in_vain(tours):
@@ -154,15 +154,14 @@ def repair_until_feasible(
             break
         if len(new):
             again = new if stuck else ask_again(context.problem, extra, new)
-            asked_before, extra = len(extra), repaired.extra
+            missed, extra = new, repaired.extra
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
-            led_elsewhere = False
             continue
         # all is seen, but bodies touch
         apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_REROUTES else None
         if apart is None:
             break
-        tours, reroutes, stuck, led_elsewhere = apart, reroutes + 1, 0, True
+        tours, reroutes, stuck, missed = apart, reroutes + 1, 0, None
     return repaired
 
 

@@ -23,6 +23,7 @@ from rota.planners.patrol.handover.charging.timetables import (
     timetables_of,
 )
 from rota.planners.patrol.handover.rounds import is_clear
+from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
 
@@ -213,7 +214,7 @@ def _divisions(counts: Sequence[int], robots: int) -> list[list[int]]:
 
 def _is_same(before: Trajectory, line: Trajectory) -> bool:
     """Whether a robot flies as it would have before."""
-    if abs(before.loop_duration_s - line.loop_duration_s) > TOUCH_M:
+    if abs(before.loop_duration_s - line.loop_duration_s) > SHORTEST_S:
         return False
     moments_s = np.union1d(before.times_s, line.times_s)
     same = np.abs(before.at(moments_s)[:, :2] - line.at(moments_s)[:, :2]).max() <= TOUCH_M

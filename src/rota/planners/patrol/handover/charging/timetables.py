@@ -32,10 +32,10 @@ NEVER = 1e12  # seconds that a robot would wait for a flight that begins at anot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Leg:
-    """A flight of a timetable: its line from time 0 on, from ``charger`` to it and back, at ``begins_s`` of each turn.
+class RegularFlight:
+    """A flight that begins again after every turn, at ``begins_s`` of it.
 
-    charges_s: how long its robot then charges for what it took.
+    line: from time 0 on, from ``charger`` and back to it. charges_s: how long its robot then charges for what it took.
     """
 
     line: TimedLine
@@ -49,17 +49,18 @@ class Timetable:
     """Flights that each begin again and again after ``turn_s``."""
 
     turn_s: float
-    legs: tuple[Leg, ...]
+    flights: tuple[RegularFlight, ...]
 
     def with_turn(self, turn_s: float) -> Timetable:
         """The same flights in turns of another length, each as far into it."""
         times = turn_s / self.turn_s
-        return Timetable(turn_s=turn_s, legs=tuple(replace(leg, begins_s=leg.begins_s * times) for leg in self.legs))
+        flights = tuple(replace(flight, begins_s=flight.begins_s * times) for flight in self.flights)
+        return Timetable(turn_s=turn_s, flights=flights)
 
     @property
     def busy_s(self) -> float:
         """How long all its flights of a turn keep robots busy, which charge between them."""
-        return sum(leg.line.duration_s + leg.charges_s for leg in self.legs)
+        return sum(flight.line.duration_s + flight.charges_s for flight in self.flights)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,41 +82,44 @@ def timetables_of(loops: Sequence[Trajectory], robot: Robot, chargers: Sequence[
     flown = [line for line in loops if line.loop_duration_s > 0]
     if not flown or not all(has_flights(line) for line in flown):
         return None
-    found: list[tuple[float, list[Leg], int]] = []  # seconds of a round, the flights in it, robots
+    found: list[tuple[float, list[RegularFlight], int]] = []  # seconds of a round, the flights in it, robots
     for line in flown:
-        legs = _legs(line, robot, chargers)
-        if legs is None:
+        flights = _regular_flights(line, robot, chargers)
+        if flights is None:
             return None
         for k, (round_s, others, count) in enumerate(found):
             if abs(round_s - line.loop_duration_s) <= SAME_ROUND * round_s:
-                found[k] = round_s, others + legs, count + 1
+                found[k] = round_s, others + flights, count + 1
                 break
         else:
-            found.append((line.loop_duration_s, legs, 1))
-    return [_shortest(Timetable(turn_s=round_s, legs=tuple(legs)), count) for round_s, legs, count in found]
+            found.append((line.loop_duration_s, flights, 1))
+    return [_shortest(Timetable(turn_s=round_s, flights=tuple(flights)), count) for round_s, flights, count in found]
 
 
 def _shortest(timetable: Timetable, robots: int) -> Timetable:
     """The same flights with the shortest turn after which they come again: a part of the one that robots share."""
-    kinds: list[list[Leg]] = []
-    for leg in timetable.legs:
-        alike = next((own for own in kinds if _is_alike(own[0], leg)), None)
-        kinds.append([leg]) if alike is None else alike.append(leg)
+    kinds: list[list[RegularFlight]] = []
+    for flight in timetable.flights:
+        alike = next((own for own in kinds if _is_alike(own[0], flight)), None)
+        if alike is None:
+            kinds.append([flight])
+        else:
+            alike.append(flight)
     for parts in range(robots, 1, -1):
-        turn_s, once = timetable.turn_s / parts, list[Leg]()
+        turn_s, once = timetable.turn_s / parts, list[RegularFlight]()
         for own in kinds:
-            begins_s = np.mod([leg.begins_s + MISSED_S for leg in own], turn_s) - MISSED_S
+            begins_s = np.mod([flight.begins_s + MISSED_S for flight in own], turn_s) - MISSED_S
             order = np.argsort(begins_s, kind="stable")
             apart = np.split(order, np.flatnonzero(np.diff(begins_s[order]) > 2 * MISSED_S) + 1)
             if any(len(each) != parts for each in apart):
                 break
             once += [replace(own[each[0]], begins_s=float(begins_s[each[0]])) for each in apart]
         else:
-            return Timetable(turn_s=turn_s, legs=tuple(once))
+            return Timetable(turn_s=turn_s, flights=tuple(once))
     return timetable
 
 
-def _is_alike(one: Leg, other: Leg) -> bool:
+def _is_alike(one: RegularFlight, other: RegularFlight) -> bool:
     """Whether two flights differ in nothing but when they begin."""
     lasts_s = one.line.duration_s
     if one.charger != other.charger or abs(lasts_s - other.line.duration_s) > MISSED_S:
@@ -124,9 +128,9 @@ def _is_alike(one: Leg, other: Leg) -> bool:
     return bool(np.abs(one.line.at(moments_s) - other.line.at(moments_s)).max() <= SAME_M)
 
 
-def _legs(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[Leg] | None:
+def _regular_flights(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[RegularFlight] | None:
     """The flights of a robot's loop; None where one ends at another charger than it begins at."""
-    legs = []
+    flights = []
     for flight in flights_of(line):
         if flight.every_s == 0:
             continue
@@ -135,8 +139,9 @@ def _legs(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[L
         charger = next(one for one in chargers if one.name == flight.charger)
         own = steady(flight.times_s, flight.positions_m[:, :2])
         begins_s = flight.starts_s % line.loop_duration_s
-        legs.append(Leg(line=own, charger=flight.charger, begins_s=begins_s, charges_s=charge_s(own, robot, charger)))
-    return legs
+        charges_s = charge_s(own, robot, charger)
+        flights.append(RegularFlight(line=own, charger=flight.charger, begins_s=begins_s, charges_s=charges_s))
+    return flights
 
 
 def charge_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
@@ -149,36 +154,36 @@ def charge_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
     return took_s * (robot.battery.recharge_s or 0.0) / (robot.battery.endurance_s or math.inf)
 
 
-def circulations(timetable: Timetable) -> list[list[tuple[Leg, float]]]:
+def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]]:
     """Rounds of flights, each with how long its robot is on the charger after it, that the fewest robots fly."""
-    legs, turn_s = timetable.legs, timetable.turn_s
-    begins_s = np.array([leg.begins_s for leg in legs])
-    ready_s = np.array([leg.begins_s + leg.line.duration_s + leg.charges_s for leg in legs])
+    flights, turn_s = timetable.flights, timetable.turn_s
+    begins_s = np.array([flight.begins_s for flight in flights])
+    ready_s = np.array([flight.begins_s + flight.line.duration_s + flight.charges_s for flight in flights])
     waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
     waits_s[waits_s > turn_s - MISSED_S] = 0.0
-    same = np.array([[one.charger == other.charger for other in legs] for one in legs])
+    same = np.array([[one.charger == other.charger for other in flights] for one in flights])
     _, after = linear_sum_assignment(np.where(same, waits_s, NEVER))
-    rounds, left = [], set(range(len(legs)))
+    rounds, left = [], set(range(len(flights)))
     while left:
         k = min(left)
         own = []
         while k in left:
             left.remove(k)
-            own.append((legs[k], legs[k].charges_s + float(waits_s[k, after[k]])))
+            own.append((flights[k], flights[k].charges_s + float(waits_s[k, after[k]])))
             k = int(after[k])
         rounds.append(own)
     return rounds
 
 
-def round_of(flown: Sequence[tuple[Leg, float]], turn_s: float, charger_m: Floats) -> Round:
+def round_of(flown: Sequence[tuple[RegularFlight, float]], turn_s: float, charger_m: Floats) -> Round:
     """One of these rounds as what its robots fly."""
     times, places, charges, now_s = [], [], [], 0.0
-    for leg, stays_s in flown:
-        times.append(leg.line.times_s + now_s)
-        places.append(leg.line.places_m)
+    for flight, stays_s in flown:
+        times.append(flight.line.times_s + now_s)
+        places.append(flight.line.places_m)
         ends_s = float(times[-1][-1])
         now_s = ends_s + stays_s
-        charges.append((leg.charger, ends_s, now_s))
+        charges.append((flight.charger, ends_s, now_s))
     lasts_s = round(now_s / turn_s) * turn_s
     times_s, places_m = np.append(np.concatenate(times), lasts_s), np.vstack([*places, charger_m])
     places_m[0] = charger_m
