@@ -16,8 +16,8 @@ from matplotlib.patheffects import withStroke
 
 from rota.check.batteries import Battery, batteries_of
 from rota.draw.mission_picture import FONT_PT, plain
-from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, RESERVE, RESTS, pale, route_style
-from rota.draw.routes import service_in
+from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, FLOWN_ONCE, RESERVE, RESTS, pale, route_style
+from rota.draw.routes import ONCE, flight_colour, service_in
 from rota.draw.two_maps import Chart
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import flights_of, has_flights
@@ -99,12 +99,12 @@ def _within(starts_s: float, lasts_s: float, every_s: float, until_s: float) -> 
 
 def _draw_flights(ax: Axes, row: int, spans: Spans, loop: int, *, named: bool) -> None:
     """Bars of a loop's colour, with its letter where there is room."""
-    colour = route_style(loop)[0]
+    colour = flight_colour(loop)
     ax.broken_barh(
         spans, (row - FILLED / 2, FILLED), facecolors=pale(colour), edgecolors=colour, linewidth=0.5, zorder=2
     )
     inch = ax.get_xlim()[1] / (ax.get_window_extent().width / ax.figure.dpi)
-    for begin, lasts in spans if named else ():
+    for begin, lasts in spans if named and loop != ONCE else ():
         if lasts > LETTER_IN * len(loop_letter(loop)) * inch:
             text = ax.text(begin + 0.045 * inch, row + FILLED / 2 - 0.06, loop_letter(loop), fontsize=6.5, zorder=4)
             text.set(va="bottom", ha="left", weight="bold", color="black")
@@ -169,14 +169,17 @@ def _draw_axes(plan: Plan, ax: Axes, unit: str, row_in: float) -> None:
 
 def _legend(plan: Plan) -> list[Artist]:
     """What bars and lines mean; loops have their letters as in the map."""
+    service = service_in(plan)
     entries: list[Artist] = [
         Patch(
             facecolor=pale(route_style(k)[0]),
             edgecolor=route_style(k)[0],
             label=f"serves {loop_letter(k)}, ways included",
         )
-        for k in range(len(service_in(plan).loops))
+        for k in range(len(service.loops))
     ]
+    if ONCE in service.serves:
+        entries.append(Patch(facecolor=pale(FLOWN_ONCE), edgecolor=FLOWN_ONCE, label="flown once, until loops begin"))
     entries.append(Patch(facecolor=CHARGES, edgecolor=CHARGES_EDGE, hatch="//////", label="charges"))
     entries.append(Patch(facecolor=RESTS, edgecolor=CHARGES_EDGE, label="at the charger, full"))
     batteries = [battery for battery in batteries_of(plan) if battery is not None]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from rota.check.batteries import batteries_of
 from rota.draw.chargers import draw_chargers
 from rota.draw.mission_picture import points_per_metre
-from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on, route_style
-from rota.draw.routes import service_in
+from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on
+from rota.draw.routes import flight_colour, service_in
 from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights, on_charger
 
@@ -90,7 +90,7 @@ class ChargingMarks:
                 since_s %= every_s
             if 0 <= since_s <= lasts_s:
                 return colour
-        return self._colours[robot][0][3] if self._colours[robot] else route_style(0)[0]
+        return self._colours[robot][0][3] if self._colours[robot] else flight_colour(0)
 
     def legend(self) -> list[Line2D]:
         """What its marks mean."""
@@ -107,7 +107,7 @@ def _colours_by_flight(plan: Plan) -> list[list[tuple[float, float, float, str]]
     serves = iter(service_in(plan).serves)
     return [
         [
-            (flight.starts_s, flight.lasts_s, flight.every_s, route_style(next(serves))[0])
+            (flight.starts_s, flight.lasts_s, flight.every_s, flight_colour(next(serves)))
             for flight in (flights_of(trajectory) if has_flights(trajectory) else ())
         ]
         for trajectory in plan

@@ -37,17 +37,18 @@ def _numbers(robots: tuple[int, ...]) -> str:
 
 def route_label(plan: Plan, route: Route) -> str:
     """A loop's line in the legend: numbers and names of its robots, its length and time."""
-    if route.letter is not None:
-        robots = f"robot {_numbers(route.robots)}" if len(route.robots) == 1 else f"robots {_numbers(route.robots)}"
-        if not route.duration_s:
-            return f"{route.letter}: a place, {robots} in turns"
-        return f"{route.letter}: {round_off(route.length_m)} m, {round_off(route.duration_s)} s, {robots} in turns"
     names = [plan.trajectories[k].robot for k in route.robots]
-    shown = names if len(names) <= 2 else [names[0], "…", names[-1]]
-    name = plain(", ".join(shown) if len(names) <= 2 else " ".join(shown), 28)
     # the marks show numbers; names that end with theirs need no second one
     ends = [re.search(r"\d*$", name) for name in names]
     numbered = [int(end[0] or 0) if end else 0 for end in ends] == [robot + 1 for robot in route.robots]
+    if route.letter is not None:
+        numbers = f"robot{'s' if len(names) > 1 else ''} {_numbers(route.robots)}"
+        robots = numbers if numbered else plain(", ".join(names), 40)
+        if not route.duration_s:
+            return f"{route.letter}: a place, {robots} in turns"
+        return f"{route.letter}: {round_off(route.length_m)} m, {round_off(route.duration_s)} s, {robots} in turns"
+    shown = names if len(names) <= 2 else [names[0], "…", names[-1]]
+    name = plain(", ".join(shown) if len(names) <= 2 else " ".join(shown), 28)
     who = name if numbered else f"{_numbers(route.robots)}  {name}"
     if not route.duration_s:
         return f"{who}: stays"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.draw.palette import FLOWN_ONCE, route_style
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import flights_of, has_flights, takes_turns
 from rota.routes.served_loops import Service, corners, loop_letter, same_ring, service_of
@@ -15,6 +16,7 @@ from rota.routes.served_loops import Service, corners, loop_letter, same_ring, s
 Floats = NDArray[np.float64]
 
 SAME_PLACE_M = 1e-6
+ONCE = -1  # what flights serve that are flown once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,8 +76,24 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
 
 
 def service_in(plan: Plan) -> Service:
-    """What the flights of the robots that charge serve: those of ``flights_of``, robot by robot."""
-    return service_of([flight for one in plan if has_flights(one) for flight in flights_of(one)])
+    """What the flights of the robots that charge serve: those of ``flights_of``, robot by robot.
+
+    A plan that took over begins with flights that are flown once, to their ends. They serve ONCE, and no loop, where
+    others are flown again and again.
+    """
+    flights = [flight for one in plan if has_flights(one) for flight in flights_of(one)]
+    found = service_of(flights)
+    again = sorted({loop for loop, flight in zip(found.serves, flights, strict=True) if flight.every_s > 0})
+    if not again:
+        return found
+    number_of = {loop: number for number, loop in enumerate(again)}
+    serves = tuple(number_of.get(loop, ONCE) for loop in found.serves)
+    return replace(found, loops=tuple(found.loops[loop] for loop in again), serves=serves)
+
+
+def flight_colour(loop: int) -> str:
+    """The colour of flights that serve a loop, or ONCE."""
+    return FLOWN_ONCE if loop == ONCE else route_style(loop)[0]
 
 
 def _loops_in_turns(plan: Plan) -> Iterator[Route]:
