@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from rota.files.vda5050_files import OrderSettings
     from rota.model.plan import Plan
     from rota.model.planner_settings import Settings
+    from rota.routes.flights import Flight
 
 
 def geojson(plan: Plan) -> str:
@@ -71,11 +73,13 @@ def nav2_waypoints(plan: Plan, folder: str) -> tuple[Path, ...]:
     return write_nav2_waypoints(plan, folder)
 
 
-def vda5050_orders(plan: Plan, folder: str, start: datetime, settings: OrderSettings) -> tuple[Path, ...]:
-    """Orders per robot, for vehicles that speak VDA 5050."""
+def vda5050_orders(
+    plan: Plan, folder: str, start: datetime, settings: OrderSettings, flights: Sequence[Flight] = ()
+) -> tuple[Path, ...]:
+    """Orders per robot, or per flight, for vehicles that speak VDA 5050."""
     from rota.files.vda5050_files import write_vda5050_orders
 
-    return write_vda5050_orders(plan, folder, settings, start=start)
+    return write_vda5050_orders(plan, folder, settings, start=start, flights=flights)
 
 
 def csv_table(plan: Plan) -> str:
@@ -174,7 +178,7 @@ FORMATS = {
         takes_origin=False,
         settings=("rota.files.vda5050_files", "OrderSettings"),
         in_phase="maxSpeed of each edge, driven at, and actions that wait; start all robots together",
-        charging="refused",
+        charging="flights",
     ),
     "create2-sketch": Format(
         holds="sketches for Create 2 robots",
@@ -229,15 +233,14 @@ class Export:
         if self.kind.is_text:
             write_atomically(output, self.text())
             return (Path(output),)
-        if self.kind.timed is not None:
-            return self.kind.timed(self.plan, output, self.start, **self.given)
-        folder = self.kind.folder
-        assert folder is not None
+        writes = self.kind.timed or self.kind.folder
+        assert writes is not None
+        clock = () if self.kind.timed is None else (self.start,)
         if self.has_flights:
             from rota.files.flight_files import write_flights
 
-            return write_flights(self.plan, output, lambda flights: folder(flights, output, **self.given))
-        return folder(self.plan, output, **self.given)
+            return write_flights(self.plan, output, partial(writes, **self.given), *clock)
+        return writes(self.plan, output, *clock, **self.given)
 
     @property
     def has_flights(self) -> bool:
@@ -275,8 +278,8 @@ def _require_no_charging(plan: Plan, to: str) -> None:
     if recharges(plan):
         flights = ", ".join(name for name, kind in FORMATS.items() if kind.charging == "flights")
         raise RotaError(
-            f"--to: {to!r} is not allowed for a plan whose robots charge: it has no words for that; as single flights"
-            f" there are {flights}"
+            f"--to: {to!r} is not allowed for a plan whose robots charge: programs of bouncing robots know no charger;"
+            f" as single flights there are {flights}"
         )
 
 

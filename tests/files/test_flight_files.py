@@ -1,25 +1,36 @@
-"""Single flights as files: as pymavlink, djikmz and a YAML reader read them, and the table of when each starts."""
+"""Single flights as files, as programs of others read them, and the table of when each starts."""
 
 from __future__ import annotations
 
 import csv
+import io
 import json
 from dataclasses import replace
+from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
+import fastkml
+import gpxpy
 import numpy as np
 import pytest
 import yaml
 from djikmz.model import KML
+from fastkml import Folder, Placemark
+from fastkml.utils import find_all
 from pymavlink import mavwp
 from pyproj import Geod
 from tests.files.test_dji_waylines import kmz_documents, read_by_djikmz
+from tests.files.test_vda5050_orders import drive
 from tests.relieved import SQUARE_M, relieved
 
 from rota import export_plan
 from rota.command.executed import executed_plan
 from rota.errors import PlanError, RotaError
 from rota.exports import FORMATS
+from rota.files.timed_places import START
+from rota.model.mission import Charger
 from rota.model.plan import Plan
 
 TAKEOFF, SPEED, WAYPOINT, LAND = 22, 178, 16, 21
@@ -100,6 +111,92 @@ def test_nav2_is_told_the_way_until_the_robot_is_on_its_charger(tmp_path: Path) 
     waypoints = yaml.safe_load(paths[0].read_text())["waypoints"].values()
     np.testing.assert_allclose([each["pose"][:2] for each in waypoints], PLACES_M, atol=1e-9)
     assert list(waypoints)[-1]["wait_s"] == 0
+
+
+def test_a_vda_5050_vehicle_drives_from_charging_to_charging(tmp_path: Path) -> None:
+    start = "2026-05-01T12:00:00Z"
+    paths = export_plan(relieved(3), "vda5050", tmp_path / "out", start_time=start)
+    rows = rows_of(paths)
+    assert [row["files"] for row in rows] == [f"robot-{k}.1.orders.jsonl" for k in (3, 1, 2)]
+    orders = {path.name: [json.loads(line) for line in path.read_text().splitlines()] for path in paths[:-1]}
+    for row in rows:
+        sent = orders[row["files"]]
+        np.testing.assert_allclose([place[:2] for place in drive(sent)], PLACES_M, atol=1e-9)
+        assert {message["serialNumber"] for message in sent} == {row["robot"]}
+        due = datetime.fromisoformat(sent[0]["timestamp"]) - datetime.fromisoformat(start)
+        assert due.total_seconds() == pytest.approx(float(row["starts_s"]), abs=1e-3)
+        assert [action_types(sent[0]["nodes"][k]) for k in (0, 1, -1)] == [["stopCharging"], [], ["startCharging"]]
+    assert len({sent[0]["orderId"] for sent in orders.values()}) == 3, "a vehicle takes an order's id once"
+    swapped = replace(relieved(3).mission, chargers=(Charger(name="pad", at=(0, 0), places=99, swap_s=60),))
+    for plan, settings in ((replace(relieved(3), mission=swapped), []), (relieved(3), ["charging=false"])):
+        path, *_ = export_plan(plan, "vda5050", tmp_path / "bare", settings=settings)
+        assert not any(
+            action_types(node) for line in path.read_text().splitlines() for node in json.loads(line)["nodes"]
+        )
+
+
+def action_types(node: dict[str, Any]) -> list[str]:
+    return [action["actionType"] for action in node["actions"]]
+
+
+def placed_rows(text: str) -> dict[str, list[tuple[float, float, float]]]:
+    """Time, latitude and longitude of each robot's points in a table."""
+    told: dict[str, list[tuple[float, float, float]]] = {}
+    for row in csv.DictReader(io.StringIO(text)):
+        told.setdefault(row["robot"], []).append((float(row["t_s"]), float(row["lat"]), float(row["lon"])))
+    return told
+
+
+def placed_features(text: str) -> dict[str, list[tuple[float, float, float]]]:
+    """The same of a map's loops."""
+    loops = [each for each in json.loads(text)["features"] if each["properties"]["kind"] == "loop"]
+    return {
+        each["properties"]["robot"]: [
+            (time_s, lat, lon)
+            for time_s, (lon, lat) in zip(each["properties"]["times_s"], each["geometry"]["coordinates"], strict=True)
+        ]
+        for each in loops
+    }
+
+
+def placed_tracks(text: str) -> dict[str, list[tuple[float, float, float]]]:
+    """The same of tracks with times, as gpxpy reads them."""
+    return {
+        track.name or "": [
+            ((point.time - START).total_seconds(), point.latitude, point.longitude)
+            for point in track.segments[0].points
+            if point.time is not None
+        ]
+        for track in gpxpy.parse(text).tracks
+    }
+
+
+def placed_globe(text: str) -> dict[str, list[tuple[float, float, float]]]:
+    """The same of a globe's tour, as fastkml reads it."""
+    (robots,) = find_all(fastkml.KML.from_string(text.partition("\n")[2]), of_type=Folder, name="robots")
+    return {
+        each.name: [
+            ((item.when.dt - START).total_seconds(), item.coord.coords[0][1], item.coord.coords[0][0])
+            for item in each.kml_geometry.track_items
+        ]
+        for each in find_all(robots, of_type=Placemark)
+    }
+
+
+READERS = {"csv": placed_rows, "geojson": placed_features, "gpx": placed_tracks, "kml": placed_globe}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_record_holds_every_robots_whole_round_with_its_stays_on_the_charger(name: str, tmp_path: Path) -> None:
+    """Each robot repeats after 480 s, of which it is under way for 180 and on the pad for 300."""
+    (path,) = export_plan(relieved(3), name, tmp_path / "out")
+    told = READERS[name](path.read_text())
+    assert list(told) == ["robot-1", "robot-2", "robot-3"]
+    for points in told.values():
+        assert (points[0][0], points[-1][0]) == (0, 480)
+        places = [(time_s, metres(lon, lat)) for time_s, lat, lon in points]
+        on_pad_s = sum(b - a for (a, at), (b, to) in pairwise(places) if max(map(abs, (*at, *to))) < 2e-3)
+        assert on_pad_s == pytest.approx(300)
 
 
 @pytest.mark.parametrize("name", sorted(FORMATS))

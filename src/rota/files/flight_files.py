@@ -6,6 +6,7 @@ import csv
 import io
 import os
 from collections.abc import Callable, Sequence
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -24,16 +25,18 @@ COLUMNS = (
 
 
 def write_flights(
-    plan: Plan, folder: str | os.PathLike[str], write: Callable[[Plan], tuple[Path, ...]]
+    plan: Plan, folder: str | os.PathLike[str], write: Callable[..., tuple[Path, ...]], *clock: datetime
 ) -> tuple[Path, ...]:
     """Write the single flights of a plan by ``write``, and ``flights.csv`` beside them; returns all paths.
+
+    clock: the instant of the plan's start, for a ``write`` that takes it, and the flights.
 
     starts_s: seconds after the plan's start at which the flight first begins. It is below 0 for flights under way at
     that time. It begins again every ``every_s`` seconds; empty: it is flown once. serves: the loop's letter in
     pictures. Robots that do not charge have their files as ever, and no row. Raises as ``write``.
     """
     made, flights = plan_of_flights(plan)
-    paths = write(made)
+    paths = write(made, folder, *clock, flights=flights) if clock else write(made, folder)
     of_one = len(paths) // max(len(made), 1)  # files
     names = {one.robot: paths[k * of_one : (k + 1) * of_one] for k, one in enumerate(made)}
     own = [files for name, files in names.items() if made[name].charges]

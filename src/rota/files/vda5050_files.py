@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import uuid
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from itertools import pairwise
@@ -22,6 +23,7 @@ from rota.model.fleet import Robot
 from rota.model.plan import Floats, Plan, Trajectory
 from rota.model.planner_settings import Settings, setting
 from rota.routes.driven_route import DURATION_S, from_start, rounds_within
+from rota.routes.flights import Flight
 from rota.routes.route import Route, route_of
 
 SUFFIX = ".orders.jsonl"
@@ -36,6 +38,7 @@ class OrderSettings(Settings):
     manufacturer: str = setting("rota", "the vehicles' manufacturer, which their topics and orders name")
     version: str = setting("2.1.0", f"of VDA 5050, as the vehicles write it: {SPOKEN}")
     wait_action: str = setting("wait:duration", "the action that waits, and its parameter that takes seconds")
+    charging: bool = setting(True, "flights begin with the action stopCharging and end with startCharging")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -54,7 +57,12 @@ class OrderSettings(Settings):
 
 
 def write_vda5050_orders(
-    plan: Plan, folder: str | os.PathLike[str], settings: OrderSettings | None = None, *, start: datetime = START
+    plan: Plan,
+    folder: str | os.PathLike[str],
+    settings: OrderSettings | None = None,
+    *,
+    start: datetime = START,
+    flights: Sequence[Flight] = (),
 ) -> tuple[Path, ...]:
     """Write one ``ROBOT.orders.jsonl`` per robot into ``folder`` (made if missing); returns their paths.
 
@@ -63,31 +71,57 @@ def write_vda5050_orders(
     the settings' duration, one at least. A message's timestamp is when it is to be sent: ``start`` for the order; for
     an update the instant at which the robot has as many stops ahead as one order releases.
 
+    flights: those of the plan's robots that charge, in its order, where it is a ``plan_of_flights``. The orders of each
+    are for the vehicle of the flight's robot, due from when it first starts on; where batteries are not swapped, the
+    vehicle stops charging first, and charges again at its end.
+
     Raises PlanError for plans with heights, of which VDA 5050 knows nothing, for names that it does not take and for
     dates after the year 9999; RotaError when the folder cannot be written to. Nothing is written on errors of the plan.
     """
-
     settings = settings or OrderSettings()
-    return write_robot_files(
-        plan, folder, SUFFIX, lambda each: orders_text(each, settings, start, plan.mission.fleet.robot(each.robot))
-    )
+    swapping = {charger.name for charger in plan.mission.chargers if charger.swap_s is not None}
+    own = dict(zip((each.robot for each in plan if each.charges), flights, strict=True)) if flights else {}
+
+    def text_of(each: Trajectory) -> str:
+        robot = plan.mission.fleet.robot(each.robot)
+        return orders_text(each, settings, start, robot, own.get(each.robot), swapping)
+
+    return write_robot_files(plan, folder, SUFFIX, text_of)
 
 
-def orders_text(trajectory: Trajectory, settings: OrderSettings, start: datetime, robot: Robot) -> str:
-    """One robot's messages. The order's id comes from what is ordered, so that another plan is another order."""
+def orders_text(
+    trajectory: Trajectory,
+    settings: OrderSettings,
+    start: datetime,
+    robot: Robot,
+    flight: Flight | None = None,
+    swapping: Collection[str | None] = (),
+) -> str:
+    """One robot's messages. The order's id comes from what is ordered, so that another plan is another order.
+
+    flight: of which the trajectory is; swapping: the chargers at which nothing is charged.
+    """
     if trajectory.positions_m.shape[1] == 3:
         raise PlanError(f"robot {trajectory.robot}: its positions have heights, of which VDA 5050 knows nothing")
     vehicle = Vehicle(
-        serial_number=trajectory.robot,
+        serial_number=flight.robot if flight else trajectory.robot,
         manufacturer=settings.manufacturer,
         protocol=Protocol(version=settings.version),
         wait=settings.wait,
     )
     route, window = route_of(trajectory, 0.0), Window()
+    start += timedelta(seconds=flight.starts_s if flight else 0.0)
     arrivals_s = _arrivals_s(route, rounds_within(route, settings.duration_s))
     require_dated(trajectory.robot, start, float(arrivals_s[-1]))
-    stops = NumberedStops(route, robot.turn_rate_rad_s)
-    order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr((stops.once, stops.every_round))))
+    from_charger, to_charger = (flight.from_charger, flight.charger) if flight and settings.charging else (None, None)
+    stops = NumberedStops(
+        route,
+        robot.turn_rate_rad_s,
+        leaves_charger=from_charger not in {None, *swapping},
+        charges=to_charger not in {None, *swapping},
+    )
+    ordered = (stops.once, stops.every_round, *([trajectory.robot] if flight else []))
+    order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr(ordered)))
 
     def timestamp(first: int) -> str:
         return instant_text(start + timedelta(seconds=float(arrivals_s[max(first - window.released, 0)])))

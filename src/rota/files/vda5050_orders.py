@@ -68,12 +68,16 @@ def require_id(what: str, name: str) -> None:
 class NumberedStops:
     """A route's stops in the order of driving, each with the id of its node, and numbers that go on for ever."""
 
-    def __init__(self, route: Route, turn_rate_rad_s: float | None = None) -> None:
+    def __init__(
+        self, route: Route, turn_rate_rad_s: float | None = None, leaves_charger: bool = False, charges: bool = False
+    ) -> None:
         """Stops ``once`` from where the robot begins to where rounds begin, then those of ``every_round``.
 
-        turn_rate_rad_s: of a robot that turns on the spot; None: it turns in no time.
+        turn_rate_rad_s: of a robot that turns on the spot; None: it turns in no time. leaves_charger, charges: of a
+        flight: the robot stops charging where it begins, and begins to charge where it ends.
         """
         self.robot = route.robot
+        self._leaves_charger, self._charges = leaves_charger, charges
         self.once, self.every_round = with_turning(from_start(route), route.every_round, turn_rate_rad_s)
 
     @property
@@ -90,6 +94,11 @@ class NumberedStops:
         """``a0``, ``a1``, ... before the loop; then ``l0``, where rounds begin, ``l1``, ..., the same in each."""
         past = number - self.arrived
         return f"a{number}" if past < 0 else f"l{past % len(self.every_round) if self.every_round else 0}"
+
+    def charging_actions(self, number: int) -> list[str]:
+        """The predefined actions at a stop: ``stopCharging`` at the first, ``startCharging`` at the last, if any."""
+        begins, ends = self._leaves_charger and number == 0, self._charges and number == self.arrived
+        return ["stopCharging"] * begins + ["startCharging"] * ends
 
     def last_within(self, first: int, last: int) -> int:
         """``last``, or less where the path ends before or an edge would come twice."""
@@ -180,13 +189,17 @@ def wait_id(order_id: str, number: int) -> str:
 
 
 def _node(stops: NumberedStops, vehicle: Vehicle, order_id: str, number: int, released: bool, told: RouteStop) -> Json:
-    waits = [vehicle.wait.action(wait_id(order_id, number), told.wait_s)] if vehicle.wait and told.wait_s > 0 else []
+    """The node of a stop, with what the vehicle does there."""
+    actions = [vehicle.wait.action(wait_id(order_id, number), told.wait_s)] if vehicle.wait and told.wait_s > 0 else []
+    for name in stops.charging_actions(number):
+        key = f"{order_id}:{2 * number}:{name}"
+        actions.append({"actionType": name, "actionId": key, "blockingType": "HARD", "actionParameters": []})
     return {
         "nodeId": stops.node_id(number),
         "sequenceId": 2 * number,
         "released": released,
         "nodePosition": {"x": told.place_m[0], "y": told.place_m[1], "mapId": vehicle.map_id},
-        "actions": waits,
+        "actions": actions,
     }
 
 
