@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
+from tests.live.two_robots import two_robots
 
 from rota.cells.cell_map import cell_map_of
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
@@ -133,3 +134,16 @@ def test_the_later_of_two_looks_counts_whatever_the_robots_order(yard: Plan):
     for sightings in both:
         sightings.advance(0, 23)
     np.testing.assert_array_equal(both[0].last_seen_s, both[1].last_seen_s)
+
+
+def test_a_zone_that_names_a_sensor_is_seen_by_who_has_one():
+    plan = two_robots(thermal=True)
+    sightings = Sightings(plan, cell_map_of(plan.mission, 4_000))
+    x_m, y_m = np.meshgrid(sightings.cell_map.x_m, sightings.cell_map.y_m)
+    left, below = ((x_m < 1) & rows for rows in ((y_m > 1) & (y_m < 3), y_m < 1))
+    # a, which sees no heat, leaves the left end at 0 s; b comes by at 20 s
+    sightings.advance(0.0, 10.0)
+    assert (sightings.last_seen_s[left] == -np.inf).all()
+    assert (sightings.last_seen_s[below] > 0).all()
+    sightings.advance(10.0, 30.0)
+    assert (np.abs(sightings.last_seen_s[left] - 20.0) < 1.0).all()

@@ -16,12 +16,15 @@ from rota.live.places import places_of
 STEP_S = 0.02
 
 
+@pytest.mark.parametrize("thermal", [False, True])
 @pytest.mark.parametrize(
     ("lags_s", "until_s"),
     [((0.0, 0.0), (math.inf, math.inf)), ((7.0, -2.5), (math.inf, 20.0)), ((0.0, 3.0), (-math.inf, math.inf))],
 )
-def test_first_lapses_agree_with_brute_force(lags_s: tuple[float, float], until_s: tuple[float, float]) -> None:
-    plan = two_robots()
+def test_first_lapses_agree_with_brute_force(
+    lags_s: tuple[float, float], until_s: tuple[float, float], thermal: bool
+) -> None:
+    plan = two_robots(thermal=thermal)
     places = places_of(plan.mission, most=400)
     now_s = 11.0
     rng = np.random.default_rng(2)
@@ -35,7 +38,9 @@ def test_first_lapses_agree_with_brute_force(lags_s: tuple[float, float], until_
     for place, (at, k) in enumerate(zip(places.points_m, places.demand, strict=True)):
         demand = places.demands[k]
         seen = np.zeros(len(times_s), bool)
-        for track_m, until in zip(tracks_m, until_s, strict=True):
+        # for zones that name a sensor the second robot counts alone
+        first = 1 if demand.sensors else 0
+        for track_m, until in list(zip(tracks_m, until_s, strict=True))[first:]:
             if demand.demand == "visit":
                 near = (track_m[:, 0] >= 48) & (track_m[:, 0] <= 52)
             else:

@@ -70,6 +70,19 @@ def test_ages_of_a_place_are_the_time_since_a_robot_was_in_reach() -> None:
         assert ages.last_seen_s[number] == pytest.approx(max(times.max(initial=0) for times in seen_s), abs=0.003)
 
 
+def test_a_zone_that_names_a_sensor_ages_until_who_has_one_comes() -> None:
+    watch = watched(two_robots(thermal=True))
+    told(watch, list(driven(watch.plan, 100.0)))
+    worst = {demand.name: demand.worst_s for demand in watch.state().demands}
+    # the far corners of the first metre are seen within 2.4 m or more of its end, every 40 s; anybody's ground as ever
+    assert ROUND_S - 2 * 2.9 / SPEED_M_S < worst["left"] <= ROUND_S
+    assert ROUND_S / 2 - 2 * 4.0 / SPEED_M_S <= worst["gate"] <= ROUND_S / 2
+    assert worst["area"] <= ROUND_S
+    anybody = watched()
+    told(anybody, list(driven(anybody.plan, 100.0)))
+    assert worst["area"] == next(one.worst_s for one in anybody.state().demands if one.name == "area")
+
+
 def test_a_silent_robot_is_lost_and_what_lapses_without_it_is_told_in_time() -> None:
     watch = watched()
     # b is silent after 10 s at x = 50; a reaches the right end at 20 s and is back on the left at 40 s

@@ -15,16 +15,23 @@ ROUND_S = 2 * LENGTH_M / SPEED_M_S  # 40 s; with two robots an end of the lane i
 PERIOD_S, ENDS_PERIOD_S = 60.0, 25.0
 
 
-def two_robots(*, zones: bool = True) -> Plan:
-    """A lane of 100 m by 4 m, driven to and fro at 5 m/s in 40 s; the zone ``left`` is its first metre."""
+def two_robots(*, zones: bool = True, thermal: bool = False) -> Plan:
+    """A lane of 100 m by 4 m, driven to and fro at 5 m/s in 40 s; the zone ``left`` is its first metre.
+
+    thermal: b alone has a thermal sensor, which counts alone for the zones.
+    """
     fleet = Fleet(
         speed_m_s=SPEED_M_S,
         sensor=DiscSensor(radius_m=3.0),
-        robots=tuple(Robot(name=name, speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=3.0)) for name in "ab"),
+        robots=tuple(
+            Robot(name=name, speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=3.0, name=sees_heat))
+            for name, sees_heat in (("a", None), ("b", "thermal" if thermal else None))
+        ),
     )
+    counting = ("thermal",) if thermal else ()
     asked = (
-        Zone(name="left", shape=box(0, 1, 1, 3), period_s=ENDS_PERIOD_S),
-        Zone(name="gate", shape=box(48, 0, 52, 4), period_s=ROUND_S, demand="visit"),
+        Zone(name="left", shape=box(0, 1, 1, 3), period_s=ENDS_PERIOD_S, sensors=counting),
+        Zone(name="gate", shape=box(48, 0, 52, 4), period_s=ROUND_S, demand="visit", sensors=counting),
     )
     mission = Mission(
         name="lane",

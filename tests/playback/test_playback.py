@@ -43,6 +43,27 @@ def test_ages_are_those_of_looking_all_the_time(plan: Plan) -> None:
         assert np.quantile(near, 0.98) <= STEP_S + 1e-4, time_s
 
 
+def test_a_zone_that_names_a_sensor_is_seen_by_who_has_one() -> None:
+    plan = two_robots(thermal=True)
+    header, arrays = unpack(playback_of(plan, check_plan(plan), cells=300))
+    names = [demand["name"] for demand in header["demands"]]
+    heat = np.isin(arrays["cell_demand"], [names.index("left"), names.index("gate")])
+    robots = [
+        {
+            header["robots"][k]["name"]
+            for i in np.flatnonzero(own)
+            for k in arrays["sight_robot"][slice(*bounds(arrays, i))]
+        }
+        for own in (heat, ~heat)
+    ]
+    assert robots == [{"b"}, {"a", "b"}]
+
+
+def bounds(arrays: dict[str, np.ndarray], entry: int) -> tuple[int, int]:
+    first, last = arrays["sight_offsets"][entry : entry + 2].tolist()
+    return first, last
+
+
 def test_ages_go_back_behind_the_change_where_a_plan_takes_over() -> None:
     before = two_robots()
     found = replan(before, at_s=107.0, lost=["b"], should_stop=lambda: True)

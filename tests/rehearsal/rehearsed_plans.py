@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from shapely import MultiPolygon, Polygon, box
 
@@ -42,6 +44,16 @@ def round_a_block(periods_s: tuple[float, ...] = (64.0, 64.0), *, square: bool =
         ring = np.vstack([np.roll(RING[:-1], -2 * k, axis=0), RING[2 * k % 4]])
         ways.append(Trajectory(robot=f"r{k}", times_s=np.linspace(0, round_s, 5), positions_m=ring))
     return Plan(mission=mission, trajectories=tuple(ways))
+
+
+def counting_one(plan: Plan) -> Plan:
+    """The plan whose last robot alone counts for the zones."""
+    fleet = plan.mission.fleet
+    *others, last = fleet.robots or ()
+    last = replace(last, sensor=DiscSensor(radius_m=5.0, name="thermal"))
+    zones = tuple(replace(zone, sensors=("thermal",)) for zone in plan.mission.zones)
+    mission = replace(plan.mission, fleet=replace(fleet, robots=(*others, last)), zones=zones)
+    return replace(plan, mission=mission)
 
 
 def with_mass() -> Plan:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.rehearsal.rehearsed_plans import crossing, post, round_a_block, taking_turns, with_mass
+from tests.rehearsal.rehearsed_plans import counting_one, crossing, post, round_a_block, taking_turns, with_mass
 
 from rota import Plan, Trajectory, check_plan, worst_gaps_s
 from rota.live.keeping import LATE_S
@@ -33,9 +33,9 @@ def drive(scene: Scene, seed: int, number: int) -> Driven:
     [
         round_a_block(), round_a_block((64.0, 96.0)), round_a_block((64.0,)), round_a_block((70.0, 70.0, 105.0)),
         round_a_block(square=True), with_mass(), post(), crossing(),
-        taking_turns(),
+        taking_turns(), counting_one(round_a_block((64.0, 96.0))),
     ],
-    ids=["shared", "2 to 3", "alone", "three", "squares", "mass", "stays", "crossing", "charging"],
+    ids=["shared", "2 to 3", "alone", "three", "squares", "mass", "stays", "crossing", "charging", "sensors"],
 )  # fmt: skip
 def test_without_chance_gaps_are_those_of_the_check(plan: Plan) -> None:
     scene = scene_of(plan, Conditions(hours=0.5))

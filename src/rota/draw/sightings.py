@@ -11,9 +11,10 @@ from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
 from rota.cells.cell_map import CellMap
+from rota.check.counting import counts
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
 from rota.draw.routes import corner_times_s
-from rota.model.mission import DiscSensor, Sensor, inner_reach_m
+from rota.model.mission import DiscSensor, Mission, Sensor, inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.flights import on_charger
 
@@ -42,8 +43,18 @@ def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Bools:
     return np.asarray(enters <= leaves)
 
 
+def cells_that_count(mission: Mission, cell_map: CellMap, sensor: Sensor) -> Bools:
+    """Which cells (rows, columns) a robot's looks count for: all but those of zones that name other sensors."""
+    found = np.ones(cell_map.period_s.shape, np.bool_)
+    x_m, y_m = np.meshgrid(cell_map.x_m, cell_map.y_m)
+    for zone in mission.zones:
+        if zone.demand == "every_point" and not counts(sensor, zone.sensors):
+            found &= ~shapely.contains_xy(zone.shape, x_m, y_m)
+    return found
+
+
 class Sightings:
-    """The last time each cell was seen; -inf: not yet.
+    """The last time each cell was seen by a robot that counts there; -inf: not yet.
 
     last_seen_s: (rows, columns) seconds, as in ``cell_map``. ``advance`` moves the clock on, never back.
     """
@@ -54,6 +65,8 @@ class Sightings:
         self._plan = plan
         self._walls = walls_of(plan.mission)
         self._robots = [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
+        sensors = {robot.sensor for robot in self._robots}
+        self._counting = {sensor: cells_that_count(plan.mission, cell_map, sensor) for sensor in sensors}
 
     def advance(self, from_s: float, to_s: float) -> None:
         """See what the robots see from ``from_s`` to ``to_s``, both counted in, in looks a quarter of a reach apart."""
@@ -72,7 +85,8 @@ class Sightings:
                 moves = (moves | np.append(docked[1:], False)) & ~docked
             for k in np.flatnonzero(moves):
                 leg_m = places_m[k : k + 2]
-                self._look(sensor_from(robot.sensor, leg_m), leg_m[:, :2], float(times_s[k + 1]))
+                sensor, counting = sensor_from(robot.sensor, leg_m), self._counting[robot.sensor]
+                self._look(sensor, leg_m[:, :2], float(times_s[k + 1]), counting)
 
     def footprints(self, time_s: float) -> list[BaseGeometry]:
         """What each robot sees at ``time_s``, in the order of the plan; nothing while it takes no part or charges."""
@@ -92,8 +106,8 @@ class Sightings:
         """Time since last seen over the period, (rows, columns); inf: not yet seen, nan: nothing asked."""
         return (time_s - self.last_seen_s) / self.cell_map.period_s
 
-    def _look(self, sensor: Sensor, leg_m: Floats, time_s: float) -> None:
-        """What is seen along a short leg (2, 2); beside obstacles: from its end."""
+    def _look(self, sensor: Sensor, leg_m: Floats, time_s: float, counting: Bools) -> None:
+        """What is seen along a short leg (2, 2), of cells that count; beside obstacles: from its end."""
         cut = cut_footprint(self._walls, sensor, leg_m[1])
         if cut is not None:
             leg_m = leg_m[[1, 1]]
@@ -102,7 +116,7 @@ class Sightings:
         columns = slice(*np.searchsorted(self.cell_map.x_m, [low_m[0], high_m[0]]))
         rows = slice(*np.searchsorted(self.cell_map.y_m, [low_m[1], high_m[1]]))
         x_m, y_m = np.meshgrid(self.cell_map.x_m[columns], self.cell_map.y_m[rows])
-        seen = in_range(sensor, leg_m, x_m, y_m)
+        seen = in_range(sensor, leg_m, x_m, y_m) & counting[rows, columns]
         if cut is not None:
             shapely.prepare(cut)
             seen &= shapely.contains_xy(cut, x_m, y_m)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.arrays import Binned, Grid
+from rota.check.counting import Names, counts, groups_of
 from rota.geometry.free_space import border_segments, sight_walls
+from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.live import age_kernels
 from rota.live.places import Places, sort_in_bins
@@ -25,6 +30,17 @@ def is_jump(robot: Robot, before: Place, after: Place, time_s: float) -> bool:
     return way_m > FASTER * robot.speed_m_s * time_s + FREE_REACHES * inner_reach_m(robot.sensor)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Group:
+    """Places for which the same sensors count: (n,) numbers of points, where they are, and the zones to visit."""
+
+    counts: NDArray[np.bool_]
+    points: Ints
+    points_m: Floats
+    bins: tuple[Grid, Binned]
+    zones: list[tuple[int, EdgeGrid]]
+
+
 class Ages:
     """The moment at which each place was last seen, exact up to ``known_s``, the moment up to which all has been told.
 
@@ -39,13 +55,28 @@ class Ages:
         self.last_seen_s = np.zeros(count)
         self.worst_s, self.worst_place = _none_yet(len(places.demands))
         self._first_s, self._last_s = np.full(count, np.inf), np.full(count, -np.inf)
-        robots = mission.fleet.unlike_robots
-        self._points_m = np.ascontiguousarray(places.points_m[: places.points])
-        self._grid, self._near = sort_in_bins(self._points_m, max(inner_reach_m(robot.sensor) for robot in robots))
         self._walls = edge_grid(sight_walls(mission))
-        visits = [demand for demand in places.demands if demand.demand == "visit"]
-        self._zones = [edge_grid(border_segments(demand.region)) for demand in visits]
+        self._sensors = tuple(dict.fromkeys(robot.sensor for robot in mission.fleet.unlike_robots))
+        reach_m = max(map(inner_reach_m, self._sensors))
+        self._groups = [self._group(names, own, reach_m) for names, own in groups_of(places.demands)]
         self._rows: list[list[float]] = []
+
+    def _group(self, names: Names, own: list[int], reach_m: float) -> _Group:
+        """The places of some demands, for which robots with the same sensors count."""
+        asked = np.isin(self.places.demand, own)
+        points, visits = (np.flatnonzero(part) for part in (asked[: self.places.points], asked[self.places.points :]))
+        points_m = np.ascontiguousarray(self.places.points_m[points])
+        regions = [self.places.demands[self.places.demand[self.places.points + visit]].region for visit in visits]
+        return _Group(
+            counts=np.array([counts(sensor, names) for sensor in self._sensors], np.bool_),
+            points=points,
+            points_m=points_m,
+            bins=sort_in_bins(points_m, reach_m),
+            zones=[
+                (self.places.points + int(visit), edge_grid(border_segments(region)))
+                for visit, region in zip(visits, regions, strict=True)
+            ],
+        )
 
     def begin(self, time_s: float) -> None:
         """Count ages from this moment on: what was seen before is not known."""
@@ -59,7 +90,7 @@ class Ages:
         if isinstance(sensor, DiscSensor):
             reach_m = sensor.radius_at_m(min(before[2], after[2]))
         square = float(not isinstance(sensor, DiscSensor))
-        self._rows.append([*before[:2], *after[:2], from_s, to_s, reach_m, square])
+        self._rows.append([*before[:2], *after[:2], from_s, to_s, reach_m, square, self._sensors.index(sensor)])
 
     def settle(self, known_s: float) -> tuple[Floats, Ints]:
         """See what was in sight until ``known_s``; ways that go on beyond it are cut there, and the rest waits.
@@ -67,7 +98,7 @@ class Ages:
         Returns the longest gap of each demand that ended, (demands,) seconds, and its place, (demands,): 0 and -1
         where none ended. Gaps within the time that is settled at once are not told apart.
         """
-        rows = np.array(self._rows).reshape(-1, 8)
+        rows = np.array(self._rows).reshape(-1, 9)
         over = rows[:, 5] > known_s
         past, later = rows[~over], rows[over]
         across = later[:, 4] < known_s
@@ -89,14 +120,17 @@ class Ages:
         return gaps_s, where
 
     def _see(self, rows: Floats) -> None:
-        legs, times = np.ascontiguousarray(rows[:, :4]), np.ascontiguousarray(rows[:, 4:6])
-        points, first, last = self.places.points, self._first_s, self._last_s
-        driven = age_kernels.Driven(legs, times, np.ascontiguousarray(rows[:, 6]), rows[:, 7] > 0)
-        age_kernels.see_along(
-            driven, self._points_m, self._grid, self._near, self._walls, first[:points], last[:points]
-        )
-        for k, zone in enumerate(self._zones, start=points):
-            first[k], last[k] = age_kernels.visits_along(legs, times, zone, first[k], last[k])
+        """Note what was seen along ways (m, 9), each group of places by those that count for it."""
+        first_s, last_s = self._first_s, self._last_s
+        for group in self._groups:
+            own = rows[group.counts[rows[:, 8].astype(np.int64)]]
+            legs, times = np.ascontiguousarray(own[:, :4]), np.ascontiguousarray(own[:, 4:6])
+            driven = age_kernels.Driven(legs, times, np.ascontiguousarray(own[:, 6]), own[:, 7] > 0)
+            first, last = first_s[group.points], last_s[group.points]
+            age_kernels.see_along(driven, group.points_m, *group.bins, self._walls, first, last)
+            first_s[group.points], last_s[group.points] = first, last
+            for k, zone in group.zones:
+                first_s[k], last_s[k] = age_kernels.visits_along(legs, times, zone, first_s[k], last_s[k])
 
     def oldest(self) -> Ints:
         """For each demand (demands,) the place that was seen longest ago; -1 where it has none."""

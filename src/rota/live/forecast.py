@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.check.revisits import sights_of
 from rota.live import kernels
 from rota.live.kernels import Team
 from rota.live.places import Places
-from rota.live.planned_sights import sights_by_plan
+from rota.live.planned_sights import sights_of_plan
 from rota.model.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -40,9 +39,7 @@ class Forecast:
     def __init__(self, plan: Plan, places: Places) -> None:
         self.places = places
         self._loops_s = np.array([trajectory.loop_duration_s for trajectory in plan], np.float64)
-        sights = sights_of(plan, plan.mission.area.bounds)
-        regions = [demand.region for demand in places.demands if demand.demand == "visit"]
-        self._sights = sights_by_plan(sights, places.points_m[: places.points], regions)
+        self._sights = sights_of_plan(plan, places.points_m[: places.points], places.demand, places.demands)
 
     def lapses(
         self, last_seen_s: Floats, now_s: float, lags_s: Floats, until_s: Floats, later_s: float | None = None

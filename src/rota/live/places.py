@@ -17,7 +17,6 @@ from rota.check.demands import DemandedGround, demands_of
 from rota.check.seeable import seeable
 from rota.check.standing import standing_areas
 from rota.model.mission import Mission, inner_reach_m
-from rota.model.sensor_faults import require_all_count
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,9 +59,9 @@ def places_of(mission: Mission, most: int = MOST_PLACES) -> Places:
 
     Lattice points lie ``reach / 8`` apart, reach being how far the weakest sensor sees in every direction, or closer
     in a small region, which has some 36 at least, and farther apart only where there would be more than ``most``.
-    Each polygon of a region has one at least. What nobody can see from where a body can stand is left out.
+    Each polygon of a region has one at least. What nobody whose sensor counts can see from where a body can stand is
+    left out.
     """
-    require_all_count(mission.zones, "robots that are watched live")
     demands = tuple(demand for demand in demands_of(mission) if not demand.region.is_empty)
     fleet = mission.fleet
     robots = fleet.unlike_robots
@@ -76,7 +75,7 @@ def places_of(mission: Mission, most: int = MOST_PLACES) -> Places:
             continue
         spacings[k] = min(step_m, math.sqrt(demand.region.area) / FEWEST_ALONG)
         inside = _lattice(demand.region, float(spacings[k]))
-        seen = seeable(mission, standing_areas(mission), inside)
+        seen = seeable(mission, standing_areas(mission, demand.sensors), inside)
         excluded[k] = np.count_nonzero(~seen)
         points.append(inside[seen])
         owner.append(np.full(len(points[-1]), k, np.int64))

@@ -9,14 +9,46 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.check.demands import visits
-from rota.check.revisits import Sights
+from rota.check.counting import Names, counts
+from rota.check.demands import DemandedGround, visits
+from rota.check.revisits import Sights, sights_of
 from rota.check.routes import HOLD, LOOP
 from rota.check.timing_kernels import time_along
 from rota.live import kernels
 from rota.live.kernels import PlannedSights
+from rota.model.mission import Sensor
+from rota.model.plan import Plan
 
 Sight = tuple[int, float, float, bool]
+
+
+def sights_of_plan(
+    plan: Plan, points_m: NDArray[np.float64], demand: NDArray[np.int64], demands: Sequence[DemandedGround]
+) -> PlannedSights:
+    """When robots that count for it see each place by plan, and are inside each of the demands to visit.
+
+    points_m: (m, 2); demand: (n,) index of the demand of each, and then of those to visit, one each.
+    """
+    regions = [each.region for each in demands if each.demand == "visit"]
+    sights = sights_by_plan(sights_of(plan, plan.mission.area.bounds), points_m, regions)
+    sensors = [plan.mission.fleet.robot(way.robot).sensor for way in plan]
+    return counting_sights(sights, sensors, demand, [each.sensors for each in demands])
+
+
+def counting_sights(
+    sights: PlannedSights, sensors: Sequence[Sensor], demand: NDArray[np.int64], names: Sequence[Names]
+) -> PlannedSights:
+    """The sights of n places without those by robots that do not count for them.
+
+    sensors: of the robots. demand: (n,) of each place; names: of the sensors that count for each demand.
+    """
+    if not any(names):
+        return sights
+    count = np.array([[counts(sensor, own) for sensor in sensors] for own in names], np.bool_)
+    kept = count[np.repeat(demand, np.diff(sights.offsets)), sights.robots]
+    before = np.concatenate([[0], np.cumsum(kept)])
+    columns = (sights.robots[kept], sights.starts_s[kept], sights.ends_s[kept], sights.again[kept])
+    return PlannedSights(before[sights.offsets], *columns)
 
 
 def sights_by_plan(sights: Sights, points_m: NDArray[np.float64], regions: Sequence[Any] = ()) -> PlannedSights:

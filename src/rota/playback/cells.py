@@ -19,7 +19,7 @@ from rota.check.report import Report
 from rota.check.revisits import sights_along
 from rota.check.routes import routes_of, sensors_of
 from rota.live.kernels import PlannedSights
-from rota.live.planned_sights import sights_by_plan
+from rota.live.planned_sights import counting_sights, sights_by_plan
 from rota.model.mission import AREA, Mission
 from rota.model.plan import Plan, Seam
 
@@ -71,30 +71,36 @@ def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
         hidden_m = np.ascontiguousarray(points_m[excluded])
         excluded[excluded] = ~seeable.seeable(mission, standing.standing_areas(mission), hidden_m)
     visits = [(k, demand) for k, demand in enumerate(report.demands) if demand.demand == "visit"]
-    regions = {demand.name: demand.region for demand in demands_of(mission)}
+    known = {demand.name: demand for demand in demands_of(mission)}
     index, demands = np.flatnonzero(asked), owner[asked]
     kept = ~excluded
     driven = undocked_routes(routes_of(plan), plan)
     routes = sights_along(driven, sensors_of(plan), mission, mission.area.bounds)
-    places = points_m[kept], [regions[demand.name] for _, demand in visits]
-    sights = sights_by_plan(routes, *places)
+    places = points_m[kept], [known[demand.name].region for _, demand in visits]
+    demand_of = np.concatenate([demands[kept], np.array([k for k, _ in visits], np.int64)])
+    asked_of = demand_of, [known[demand.name].sensors for demand in report.demands]
+    sensors = [mission.fleet.robot(way.robot).sensor for way in plan]
+    sights = counting_sights(sights_by_plan(routes, *places), sensors, *asked_of)
     periods_s = np.array([demand.period_s for demand in report.demands], np.float64)
     return SeenCells(
         cell_map=cell_map,
         index=np.concatenate([index[kept], np.full(len(visits), NO_CELL)]),
-        demand=np.concatenate([demands[kept], np.array([k for k, _ in visits], np.int64)]),
+        demand=demand_of,
         worst=np.concatenate(
             [gaps_s[kept] / periods_s[demands[kept]], [demand.worst_gap_s / demand.period_s for _, demand in visits]]
         ),
         excluded=index[excluded],
         sights=_while_present(sights, plan),
-        before_s=None if plan.seam is None else _last_before(plan.mission, plan.seam, *places),
+        before_s=None if plan.seam is None else _last_before(plan.mission, plan.seam, *places, *asked_of),
     )
 
 
-def _last_before(mission: Mission, seam: Seam, points_m: Floats, regions: list[Any]) -> Floats:
+def _last_before(
+    mission: Mission, seam: Seam, points_m: Floats, regions: list[Any], demand: Ints, names: list[tuple[str, ...]]
+) -> Floats:
     """When points and then regions were seen last before the change; those that were not, when what is told begins."""
-    sights = sights_by_plan(sights_before(mission, seam), points_m, regions)
+    seen = sights_by_plan(sights_before(mission, seam), points_m, regions)
+    sights = counting_sights(seen, [one.sensor for one in seam.driven], demand, names)
     entry = np.repeat(np.arange(len(sights.offsets) - 1), np.diff(sights.offsets))
     last_s = np.full(len(sights.offsets) - 1, seam.since_s)
     np.maximum.at(last_s, entry, np.minimum(sights.ends_s, 0.0))

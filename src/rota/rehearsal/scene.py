@@ -10,17 +10,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.counting import groups_of
 from rota.check.demands import DemandedGround
-from rota.check.revisits import sights_of
 from rota.check.seeable import seeable
 from rota.check.standing import standing_areas
 from rota.errors import MissionError, RotaError
 from rota.live.kernels import PlannedSights
 from rota.live.places import places_of
-from rota.live.planned_sights import sights_by_plan
+from rota.live.planned_sights import sights_of_plan
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
-from rota.model.sensor_faults import require_all_count
 from rota.rehearsal.batteries import batteries_of
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import Pair, pairs_near
@@ -82,7 +81,6 @@ def scene_of(plan: Plan, conditions: Conditions) -> Scene:
 
     Raises MissionError for runs that are too long for so many robots, RotaError where there is nothing to rehearse.
     """
-    require_all_count(plan.mission.zones, "rehearsals")
     if not len(plan.trajectories):
         raise RotaError("the plan has no robots; there is nothing to rehearse")
     begin_s = max(way.loop_start_s for way in plan)
@@ -109,7 +107,7 @@ def scene_of(plan: Plan, conditions: Conditions) -> Scene:
         demands=places.demands,
         points_m=points_m,
         asked=Asked(demand, np.ascontiguousarray(periods_s), weights),
-        sights=_sights(plan, points_m, places.demands),
+        sights=sights_of_plan(plan, points_m, demand, places.demands),
         pairs=pairs_near(plan),
         batteries=batteries_of(plan),
         begin_s=begin_s,
@@ -123,16 +121,10 @@ def scene_with(scene: Scene, plan: Plan) -> Scene:
     return replace(
         scene,
         plan=plan,
-        sights=_sights(plan, scene.points_m, scene.demands),
+        sights=sights_of_plan(plan, scene.points_m, scene.asked.demand, scene.demands),
         pairs=pairs_near(plan),
         batteries=batteries_of(plan),
     )
-
-
-def _sights(plan: Plan, points_m: Floats, demands: Sequence[DemandedGround]) -> PlannedSights:
-    """When robots see each place, and are inside each demand to visit, by plan."""
-    regions = [each.region for each in demands if each.demand == "visit"]
-    return sights_by_plan(sights_of(plan, plan.mission.area.bounds), points_m, regions)
 
 
 def _corners(mission: Mission, demands: Sequence[DemandedGround]) -> tuple[Floats, Ints]:
@@ -149,7 +141,9 @@ def _corners(mission: Mission, demands: Sequence[DemandedGround]) -> tuple[Float
     corners_m, corner_of = np.vstack(found), np.concatenate(owner)
     step = math.ceil(max(1, len(corners_m)) / MOST_CORNERS)
     corners_m, corner_of = np.ascontiguousarray(corners_m[::step]), corner_of[::step]
-    if len(corners_m):
-        seen = seeable(mission, standing_areas(mission), corners_m)
-        corners_m, corner_of = corners_m[seen], corner_of[seen]
-    return corners_m, corner_of
+    seen = np.zeros(len(corners_m), np.bool_)
+    for names, own in groups_of(demands):
+        mine = np.isin(corner_of, own)
+        if mine.any():
+            seen[mine] = seeable(mission, standing_areas(mission, names), corners_m[mine])
+    return corners_m[seen], corner_of[seen]
