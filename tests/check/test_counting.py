@@ -61,6 +61,16 @@ def test_worst_gaps_count_what_the_zone_counts() -> None:
     assert anybody_s < thermal_s
 
 
+def test_ground_that_nobody_left_counts_for_is_unseen_and_not_left_out() -> None:
+    usual = DiscSensor(radius_m=11, name="thermal")
+    fleet = replace(YARD.fleet, sensor=usual, robots=[Robot(name="plain", sensor=DiscSensor(radius_m=11))])
+    plan = Plan(mission=replace(YARD, fleet=fleet), trajectories=(to_and_fro("plain", 0, 100),))
+    report = check_plan(plan)
+    assert report.verdict == "violated"
+    hot = next(one for one in report.demands if one.name == "hot")
+    assert (hot.outcome, hot.unseen_area_m2, hot.excluded_area_m2) == ("violated", pytest.approx(100), 0)
+
+
 def test_zones_that_name_sensors_which_nobody_has_or_that_overlap_are_refused() -> None:
     with pytest.raises(MissionError, match=r"zones\[0\].sensors: x-ray: no robot has such a sensor; there are thermal"):
         replace(YARD, zones=(replace(HOT, sensors=("x-ray",)),))

@@ -25,8 +25,10 @@ from rota import (
     Zone,
     check_plan,
 )
-from rota.check import report_schema, report_table, report_to_json
+from rota.check import report_schema, report_table, report_to_json, sample_lateness
+from rota.check.late_report import LateDemand, LateSample
 from rota.files.plan_file import plan_from_text, plan_text
+from rota.model.mission import Demand
 from rota.model.plan import Driven, Seam
 
 Floats = NDArray[np.float64]
@@ -37,7 +39,7 @@ RING = np.array([[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]], float)
 ROUND_S = np.arange(0.0, 41.0, 10.0)
 
 
-def mission(period_s: float, names: tuple[str, ...] = ("a",), **more: object) -> Mission:
+def mission(period_s: float | None, names: tuple[str, ...] = ("a",), **more: object) -> Mission:
     """A ring 0.6 m wide round a block, at the speed of 1 m/s."""
     fleet = Fleet(robots=[Robot(name=name) for name in names], speed_m_s=1, sensor=SENSOR)
     block = Obstacle(shape=shapely.MultiPolygon([shapely.box(0.3, 0.3, 9.7, 9.7)]), blocks="both")
@@ -204,6 +206,34 @@ def test_beside_dense_sampling(seed: int) -> None:
         assert lateness.holds_again_s is not None
         assert found.last_s - 0.05 <= lateness.holds_again_s <= found.last_s + 0.4
         assert lateness.late_m2_s == pytest.approx(found.late_m2_s, rel=0.12, abs=0.5)
+
+
+@pytest.mark.parametrize("demand", ["every_point", "visit"])
+def test_a_zone_that_names_a_sensor_is_as_late_as_without_all_others(demand: Demand) -> None:
+    """b and c see heat, half a round apart; b is lost, and for the hot zone a counts as if it were not there."""
+    hot = DiscSensor(radius_m=REACH_M, name="thermal")
+    zone = Zone(name="hot", period_s=25, demand=demand, shape=shapely.MultiPolygon([shapely.box(-0.3, 4, 0.3, 6)]))
+    seen_by = {"a": SENSOR, "b": hot, "c": hot}
+
+    def judged(names: str, sensors: tuple[str, ...]) -> tuple[LateDemand, LateSample, str]:
+        """How late the zone is with those of the robots, what sample points say, and what is said of it for ever."""
+        left = [name for name in names if name != "b"]
+        fleet = Fleet(robots=[Robot(name=name, sensor=seen_by[name]) for name in left], speed_m_s=1, sensor=SENSOR)
+        before = tuple(replace(driven(name, "bac".index(name)), sensor=seen_by[name]) for name in names)
+        plan = Plan(
+            mission=mission(None, zones=(replace(zone, sensors=sensors),), fleet=fleet),
+            trajectories=tuple(trajectory(name, "bac".index(name)) for name in left),
+            seam=Seam(at_s=100, lost=("b",), driven=before),
+        )
+        report = check_plan(plan)
+        assert report.lateness is not None
+        (late,) = report.lateness.demands
+        return late, sample_lateness(plan, 100), report.demands[0].outcome
+
+    counting, alone = judged("abc", ("thermal",)), judged("bc", ())
+    assert counting == alone
+    assert counting[0].worst_s > judged("abc", ())[0].worst_s + 3
+    assert counting[2] == "violated"
 
 
 def test_the_seam_is_in_the_plan_file_and_the_report() -> None:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from rota.check.demands import DemandedGround
 from rota.check.report import Violation, violation
 from rota.model.mission import Sensor
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Seam
 
 Names = tuple[str, ...]
 
@@ -29,6 +29,11 @@ def counting_robots(plan: Plan, names: Names) -> Plan:
     fleet = plan.mission.fleet
     own = tuple(each for each in plan if counts(fleet.robot(each.robot).sensor, names))
     return replace(plan, trajectories=own, seam=None)
+
+
+def counting_before(seam: Seam, names: Names) -> Seam:
+    """What those drove before a change alone that count for a demand that names these sensors."""
+    return replace(seam, driven=tuple(one for one in seam.driven if counts(one.sensor, names))) if names else seam
 
 
 def groups_of(demands: Sequence[DemandedGround]) -> list[tuple[Names, list[int]]]:

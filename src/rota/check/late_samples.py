@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from rota.check import lateness_kernels
 from rota.check.charging import docked_rows, undocked_routes
+from rota.check.counting import Names, counting_before, counting_robots, groups_of
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.late_report import ForEver, LateSample
 from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
-from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along
+from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along, sights_of
 from rota.check.routes import HOLD, LOOP, Routes, routes_driven, routes_of, sensors_of
 from rota.check.seeable import seeable_ground
 from rota.check.tiled_ground import tiles_of
@@ -35,19 +36,21 @@ def sample_lateness(plan: Plan, most_points: int) -> LateSample:
     """How late some points of each demand are, within moments, to compare plans with."""
     assert plan.seam is not None
     for_ever, points = _sample_loops(plan, most_points)
-    across, demands = sights_across(plan, plan.seam), demands_of(plan.mission)
-    if across is None:
-        return LateSample(for_ever=for_ever, worst_s=math.inf, late_m2_s=math.inf, last_s=math.inf)
-    sampled = [
-        (_sample_of_visits(across, plan, one) if one.demand == "visit" else _sample_at(across, one, *points[k]), one)
-        for k, one in enumerate(demands)
-    ]
-    told = [(one, demand) for one, demand in sampled if math.isfinite(one.gap_s)]
+    demands = demands_of(plan.mission)
+    across = {names: sights_across(plan, plan.seam, names) for names, _ in groups_of(demands)}
+    sampled = []
+    for k, one in enumerate(demands):
+        if (sights := across[one.sensors]) is None:
+            return LateSample(for_ever=for_ever, worst_s=math.inf, late_m2_s=math.inf, last_s=math.inf)
+        visited = one.demand == "visit"
+        told = _sample_of_visits(sights, plan, one) if visited else _sample_at(sights, one, *points[k])
+        sampled.append((told, one))
+    known = [(one, demand) for one, demand in sampled if math.isfinite(one.gap_s)]
     return LateSample(
         for_ever=for_ever,
-        worst_s=max((max(0.0, one.gap_s - demand.period_s) for one, demand in told), default=0.0),
-        late_m2_s=sum(one.late_m2_s for one, _ in told),
-        last_s=max((one.last_s for one, _ in told), default=0.0),
+        worst_s=max((max(0.0, one.gap_s - demand.period_s) for one, demand in known), default=0.0),
+        late_m2_s=sum(one.late_m2_s for one, _ in known),
+        last_s=max((one.last_s for one, _ in known), default=0.0),
     )
 
 
@@ -58,28 +61,30 @@ def sample_loops(plan: Plan, most_points: int) -> tuple[ForEver, ...]:
 
 def _sample_loops(plan: Plan, most_points: int) -> tuple[tuple[ForEver, ...], dict[int, tuple[Floats, Floats]]]:
     """The same, and of each demand the points (n, 2) that are seen, with the ground (n,) that each stands for."""
-    mission = plan.mission
-    routes = seeing_routes(undocked_routes(routes_of(plan), plan), plan)
-    sights, demands = sights_along(routes, sensors_of(plan), mission, mission.area.bounds), demands_of(mission)
+    mission, demands = plan.mission, demands_of(plan.mission)
+    reach_m = float(sensors_of(plan)[0].min(initial=math.inf))
+    seen = {names: sights_of(counting_robots(plan, names), mission.area.bounds) for names, _ in groups_of(demands)}
     for_ever, points = list[ForEver](), dict[int, tuple[Floats, Floats]]()
     for k, demand in enumerate(demands):
+        sights = seen[demand.sensors]
+        routes = sights.routes
         if demand.demand == "visit":
             gap_s = loop_gap(routes, visits(routes.legs_m, demand.region, slack_of(mission)))[0]
             never = not math.isfinite(gap_s)
             unseen_m2, gap_s = (demand.region.area, 0.0) if never else (0.0, gap_s)
         else:
-            own, areas_m2 = _some_points(mission, _reach_m(sights), k, most_points)
+            own, areas_m2 = _some_points(mission, reach_m, k, most_points, demand.sensors)
             gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demand.period_s)).gaps_s
-            seen = np.isfinite(gaps_s)
-            points[k] = own[seen], areas_m2[seen]
-            unseen_m2, gap_s = float(areas_m2[~seen].sum()), float(gaps_s[seen].max(initial=0.0))
+            ever = np.isfinite(gaps_s)
+            points[k] = own[ever], areas_m2[ever]
+            unseen_m2, gap_s = float(areas_m2[~ever].sum()), float(gaps_s[ever].max(initial=0.0))
         for_ever.append(ForEver(demand.name, unseen_m2, gap_s / demand.period_s))
     return tuple(for_ever), points
 
 
 @functools.lru_cache(maxsize=32)
-def _some_points(mission: Mission, reach_m: float, k: int, most_points: int) -> tuple[Floats, Floats]:
-    """Middles (n, 2) of tiles of a demand that somebody can see, and the ground (n,) that each stands for.
+def _some_points(mission: Mission, reach_m: float, k: int, most_points: int, names: Names) -> tuple[Floats, Floats]:
+    """Middles (n, 2) of tiles of a demand that one of these sensors can see, and the ground (n,) each stands for.
 
     The plans of a search are compared at the same ones.
     """
@@ -89,28 +94,26 @@ def _some_points(mission: Mission, reach_m: float, k: int, most_points: int) -> 
         return np.empty((0, 2)), np.empty(0)
     chosen = own[np.unique(np.linspace(0, len(own) - 1, most_points).astype(np.int64))]
     points = pieces.choose(chosen).centres_m()
-    seeable = seeable_ground(mission).sees(point_pieces(points))
+    seeable = seeable_ground(mission, names).sees(point_pieces(points))
     share_m2 = pieces.choose(own).areas_m2().sum() / max(1, np.count_nonzero(seeable))
     return points[seeable], np.full(np.count_nonzero(seeable), share_m2)
-
-
-def _reach_m(sights: Sights) -> float:
-    """The shortest reach of the team."""
-    return float(sights.team.reaches_m.min(initial=math.inf))
 
 
 # ---------------------------------------------------------------- what is seen before and after
 
 
-def sights_across(plan: Plan, seam: Seam) -> Sights | None:
-    """What is seen after the change until all is seen again, with what was seen before; None: by too many legs."""
+def sights_across(plan: Plan, seam: Seam, names: Names = ()) -> Sights | None:
+    """What is seen after the change until all is seen again, with what was seen before; None: by too many legs.
+
+    names: of the sensors that count, if not all.
+    """
+    plan, before = counting_robots(plan, names), sights_before(plan.mission, counting_before(seam, names))
     routes, bounds_m = seeing_routes(undocked_routes(routes_of(plan), plan), plan), plan.mission.area.bounds
     # whatever a robot sees in its loop it sees again within one
     to_s = routes.from_s + float(routes.durations_s.max(initial=0.0))
     turns = _turns(routes, to_s)
     if turns.sum() > MOST_LEGS:
         return None
-    before = sights_before(plan.mission, seam)
     after = sights_along(_unroll(routes, turns, to_s), sensors_of(plan), plan.mission, bounds_m)
     return replace(after, seam=SeamSights(before=before, moments_s=(seam.since_s, 0.0, routes.from_s, to_s)))
 
@@ -182,7 +185,7 @@ def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) ->
     """What the middles of all tiles say of a demand, or the visits to it."""
     if demand.demand == "visit":
         return _sample_of_visits(sights, plan, demand)
-    pieces, owners = tiles_of(plan.mission, _reach_m(sights))
+    pieces, owners = tiles_of(plan.mission, float(sights.team.reaches_m.min(initial=math.inf)))
     own = pieces.choose(owners == k)
     while len(own) < ENOUGH:
         finer, _ = quarter(own, np.full((len(own), 3), np.nan), 2 * sights.slack_m)
@@ -194,7 +197,7 @@ def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) ->
     areas_m2 *= own.areas_m2().sum() / max(areas_m2.sum(), NO_LENGTH)
     gaps_s, begins_s, late_s, last_s = late_points(sights, points, demand.period_s * (1 + PERIOD_TOLERANCE))
     unseen = np.flatnonzero(np.isinf(gaps_s))
-    hidden = ~seeable_ground(plan.mission).sees(point_pieces(points[unseen]))
+    hidden = ~seeable_ground(plan.mission, demand.sensors).sees(point_pieces(points[unseen]))
     kept = np.setdiff1d(np.arange(len(points)), unseen[hidden])
     return _sum_up(gaps_s[kept], begins_s[kept], points[kept], (late_s * areas_m2)[kept], last_s[kept])
 

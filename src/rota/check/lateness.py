@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from rota.check.counting import Names, groups_of
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
 from rota.check.late_report import LateDemand, Lateness
 from rota.check.late_samples import Sampled, sample_demand, sights_across
 from rota.check.report import Report
 from rota.check.revisits import Sights
-from rota.check.tiled_ground import tile_and_refine
+from rota.check.tiled_ground import findings_by_group
 from rota.check.tolerances import PERIOD_TOLERANCE
 from rota.model.plan import Plan
 
@@ -32,15 +33,17 @@ def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Call
     What was not seen in the time that is told of before counts as seen when that begins. Only for a plan with a seam.
     """
     assert plan.seam is not None
-    sights, demands = sights_across(plan, plan.seam), demands_of(plan.mission)
-    if sights is None:
+    demands = demands_of(plan.mission)
+    across = {names: sights_across(plan, plan.seam, names) for names, _ in groups_of(demands)}
+    sights = {names: one for names, one in across.items() if one is not None}
+    if len(sights) < len(across):
         unknown = [
             LateDemand(name=d.name, worst_s=math.inf, worst_at_least_s=0.0, place_m=None, time_s=None) for d in demands
         ]
         return Lateness(
             at_s=plan.seam.at_s, lost=plan.seam.lost, demands=tuple(unknown), late_m2_s=math.inf, holds_again_s=None
         )
-    sampled = [sample_demand(sights, plan, k, demand) for k, demand in enumerate(demands)]
+    sampled = [sample_demand(sights[demand.sensors], plan, k, demand) for k, demand in enumerate(demands)]
     bracket = _Bracket(plan, sights, demands, finest_m, on_the_way)
     ever = all(demand.outcome == "met" for demand in report.demands)
     worst = [_with_loops(one, report) for one in bracket.worst(sampled)]
@@ -73,7 +76,7 @@ class _Bracket:
     """The same from above: the ground is judged in pieces for limits that are raised until they are shown."""
 
     def __init__(
-        self, plan: Plan, sights: Sights, demands: Sequence[DemandedGround], finest_m: float,
+        self, plan: Plan, sights: dict[Names, Sights], demands: Sequence[DemandedGround], finest_m: float,
         on_the_way: Callable[[], None] | None,
     ) -> None:  # fmt: skip
         self.mission, self.sights, self.demands = plan.mission, sights, demands
@@ -81,12 +84,16 @@ class _Bracket:
 
     def _judge(self, limits_s: Sequence[float], after_s: float) -> list[Findings]:
         """Gaps that end after the moment, against these limits."""
-        seam = self.sights.seam
-        assert seam is not None
-        from_s, _, loops_s, to_s = seam.moments_s
-        sights = replace(self.sights, seam=replace(seam, moments_s=(from_s, after_s, loops_s, to_s)))
+
+        def sights_by(names: Names) -> Sights:
+            """The sights of those that count, with gaps that end after the moment."""
+            sights = self.sights[names]
+            assert sights.seam is not None
+            from_s, _, loops_s, to_s = sights.seam.moments_s
+            return replace(sights, seam=replace(sights.seam, moments_s=(from_s, after_s, loops_s, to_s)))
+
         asked = tuple(replace(one, period_s=limit) for one, limit in zip(self.demands, limits_s, strict=True))
-        return tile_and_refine(self.mission, asked, sights, self.finest_m, self.on_the_way)
+        return findings_by_group(self.mission, asked, sights_by, self.finest_m, self.on_the_way)
 
     def worst(self, sampled: list[Sampled]) -> list[LateDemand]:
         """How late each demand is."""

@@ -89,12 +89,14 @@ def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
 def standing_areas(mission: Mission, names: tuple[str, ...] = ()) -> tuple[StandingArea, ...]:
     """One area for each kind of robot (body and sensor) that the fleet has; names: of the sensors that count, if any.
 
+    Where no robot has any of these, all have an area: ground is no less asked for since nobody can see it by them.
+
     With entrances it holds only where a body can be driven to from one of them with clearance: as if it were larger by
     a thousandth of its radius. No robot drives through a gap just as wide as itself, nor looks along a wall that it
     touches to a micrometre.
     """
     every = _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
-    return tuple(area for area in every if not names or area.sensor.name in names)
+    return tuple(area for area in every if not names or area.sensor.name in names) or every
 
 
 def standing_area_of(mission: Mission, robot: Robot) -> StandingArea:

@@ -7,12 +7,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rota.model.fleet import Fleet
-from rota.model.refusals import require
 
 
 def sensor_faults(zones: Sequence[Any], fleet: Fleet) -> Iterator[tuple[str, str]]:
-    """What is wrong with the sensors that a mission's zones name: the field at fault and a message."""
-    known = {robot.sensor.name for robot in fleet.unlike_robots} - {None}
+    """What is wrong with the sensors that a mission's zones name: the field at fault and a message.
+
+    One that robots have unless said may be named where none of those listed has it: they may all be lost.
+    """
+    usual = () if fleet.kinds else (fleet,)
+    known = {robot.sensor.name for robot in (*fleet.unlike_robots, *usual)} - {None}
     for k, zone in enumerate(zones):
         if zone.sensors and not known & set(zone.sensors):
             have = f"there are {', '.join(sorted(map(str, known)))}" if known else "give the sensor of one this name"
@@ -25,9 +28,3 @@ def sensor_faults(zones: Sequence[Any], fleet: Fleet) -> Iterator[tuple[str, str
                 f"zone {other.name} overlaps zone {one.name}, for which other sensors count: where zones overlap the"
                 " smallest period alone rules; let them lie side by side",
             )
-
-
-def require_all_count(zones: Sequence[Any], who: str) -> None:
-    """MissionError where zones name the sensors that count, for work that takes all of them to count."""
-    for zone in zones:
-        require(not zone.sensors, f"zone {zone.name}: sensors", ", ".join(zone.sensors), f"{who} take all to count")

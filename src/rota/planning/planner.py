@@ -14,7 +14,7 @@ from rota.model.planner_registry import door_of, planner_names
 if TYPE_CHECKING:
     from rota.check.report import Report as Report
     from rota.compiled.parts import Part
-    from rota.model.mission import Mission
+    from rota.model.mission import Mission, Robot
     from rota.model.plan import Plan, Seam, Trajectory
     from rota.model.planner_settings import PlannerSettings
     from rota.planning.checkpoint import Checkpoint
@@ -66,7 +66,7 @@ class Handover:
     are to be shared among those that remain; the clock of all is 0 at that moment. lateness: how late a plan is; less
     is better. most: ways to share them that are worked out. importance: of what depends on each of the loops, by name,
     where that differs: rounds of what is less important may be left out; empty: all are as important. batteries: how
-    full they are, 0 to 1, by name.
+    full they are, 0 to 1, by name. drivers: the robot that each loop was planned for, by the loop's name.
     """
 
     mission: Mission
@@ -79,6 +79,7 @@ class Handover:
     most: int
     importance: Mapping[str, float] = field(default_factory=dict)
     batteries: Mapping[str, float] = field(default_factory=dict)
+    drivers: Mapping[str, Robot] = field(default_factory=dict)
 
 
 class Planner(ABC):

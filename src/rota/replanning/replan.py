@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -17,7 +17,7 @@ from rota.replanning.situation import Change, Place, Situation, situation_after
 
 if TYPE_CHECKING:
     from rota.check.report import Report
-    from rota.model.mission import Mission
+    from rota.model.mission import Fleet, Mission
     from rota.model.plan import Plan, Trajectory
 
 FIRST = 3  # plans of which the first answer is the least late
@@ -86,7 +86,7 @@ def replan(
     situation = situation_after(plan, change)
     stop = StopRule(time_limit_s, should_stop)
     search = _Search(situation, seed, stop, on_better)
-    search.try_rounds(situation.loops, SHARINGS)
+    search.try_rounds(situation.loops, SHARINGS, situation.team)
     if situation.mission.has_starts and not search.is_done and not stop():
         search.look_for_better(progress)
     return search.outcome(stop.stopped)
@@ -116,14 +116,20 @@ class _Search:
             raise NoPlanFound(f"no plan takes over at t = {self._situation.seam.at_s:g} s: {self._why}")
         return replace(self._best, stopped_early=stopped)
 
-    def try_rounds(self, loops: tuple[Trajectory, ...], most: int) -> None:
-        """Try plans in which the robots that remain share these rounds; the least late of some comes first."""
+    def try_rounds(self, loops: tuple[Trajectory, ...], most: int, team: Fleet, names: Sequence[str] = ()) -> None:
+        """Try plans in which the robots that remain share these rounds; the least late of some comes first.
+
+        names: of the robots of the team that drive them, if not those of the loops.
+        """
         situation = self._situation
         asked = Handover(
             mission=situation.mission, places=situation.places, seam=situation.seam, seed=self._seed,
             going_on=situation.going_on if loops is situation.loops else {}, loops=loops,
             lateness=self._sample, most=most, batteries=situation.batteries,
             importance=self._order.importance_of(loops, situation.team) if loops is situation.loops else {},
+            drivers={
+                one.robot: team.robot(name) for one, name in zip(loops, names or [k.robot for k in loops], strict=True)
+            },
         )  # fmt: skip
         plans = iter(self._planner.takeovers(asked))
         # on lanes the second plan takes seconds
@@ -165,7 +171,7 @@ class _Search:
                 if ever > self._rank[: len(ever)]:  # however robots come into such loops
                     return
             loops = tuple(replace(one, robot=f"loop {k + 1}") for k, one in enumerate(plan))
-            self.try_rounds(loops, OTHERS)
+            self.try_rounds(loops, OTHERS, plan.mission.fleet, [one.robot for one in plan])
             if not any(one.kind in ("start", "no trajectory") for one in report.violations):
                 self._try(replace(plan, mission=self._situation.mission, seam=self._situation.seam))
 

@@ -11,9 +11,8 @@ import shapely
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
 from rota.model.limits import LONGEST_S
-from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot
+from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot, Sensor
 from rota.model.plan import Driven, Plan, Seam, Trajectory
-from rota.model.sensor_faults import require_all_count
 from rota.replanning.levels import Level, later_part, levels_of_plan, require_same_batteries
 from rota.routes.moments import delay, earlier_by, go_on, join_ways, way_before
 
@@ -86,7 +85,6 @@ def situation_after(plan: Plan, change: Change) -> Situation:
 
 def _require_right(plan: Plan, change: Change) -> None:
     """MissionError for times, names and places that cannot be."""
-    require_all_count(plan.mission.zones, "new plans after a change")
     names = [trajectory.robot for trajectory in plan]
     has = f"the plan has {', '.join(names) or 'no robots'}"
     if not 0 <= change.at_s <= LONGEST_S:
@@ -142,12 +140,22 @@ def _mission_of(plan: Plan, change: Change, places: Mapping[str, Place]) -> Miss
     def mission_with(starts: Mapping[str, Place]) -> Mission:
         """The mission of these robots with starts."""
         own = tuple(replace(robot, start=starts.get(robot.name)) for robot in robots)
-        return replace(asked, fleet=replace(fleet, robots=own, kinds=(), start=None), holds_within_s=holds_s)
+        team = replace(fleet, sensor=_usual_sensor(asked, robots), robots=own, kinds=(), start=None)
+        return replace(asked, fleet=team, holds_within_s=holds_s)
 
     try:
         return mission_with(places)
     except MissionError:  # on lanes, and where autopilots begin their rounds by themselves, robots have none
         return mission_with({})
+
+
+def _usual_sensor(mission: Mission, robots: Sequence[Robot]) -> Sensor:
+    """The sensor of robots unless said: where all are lost that have one which a zone names, that one."""
+    known = {robot.sensor.name for robot in robots} | {mission.fleet.sensor.name}
+    for zone in mission.zones:
+        if zone.sensors and not known & set(zone.sensors):
+            return next(one.sensor for one in mission.fleet.unlike_robots if one.sensor.name in zone.sensors)
+    return mission.fleet.sensor
 
 
 def _robot(fleet: Fleet, name: str) -> Robot:

@@ -170,6 +170,15 @@ def lead_round(line: TimedLine, robot: Robot, paths: ShortestPaths) -> TimedLine
     return loop_timetable(without_straight_vertices(led_m), robot)
 
 
+def slow_down(round_: Round, robot: Robot) -> Round:
+    """The round as it is; where a robot is too slow for it, at that robot's speed."""
+    line = round_.line
+    speeds_m_s = np.hypot(*np.diff(line.places_m, axis=0).T) / np.diff(line.times_s)
+    if speeds_m_s.max(initial=0.0) <= robot.ground_speed_m_s * (1 + SAME):
+        return round_
+    return Round(line=loop_timetable(_corners(line), robot), ahead_s={})
+
+
 def begin_at(line: TimedLine, phase_s: float) -> TimedLine:
     """The round begun so far into it."""
     return line if line.stays else start_at(line, phase_s)

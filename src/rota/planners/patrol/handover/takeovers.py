@@ -16,6 +16,7 @@ from rota.errors import NoPlanFound, PlanError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.handover.abilities import drivers_of
 from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
 from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
 from rota.planners.patrol.handover.on_lanes import takeovers_on_lanes
@@ -27,6 +28,7 @@ from rota.planners.patrol.handover.rounds import (
     join_rounds,
     lead_round,
     rounds_of,
+    slow_down,
 )
 from rota.planners.patrol.handover.shares import Share, Sharing, sharings
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
@@ -35,6 +37,7 @@ from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
+SHORT_S = 1e6  # what it costs to give a round to a robot that is slower, sees less far or does not count where it leads
 FINER = 4  # plans, the least late ones, for which phases beside theirs are tried
 HALVINGS = 4  # of the step between phases that are tried beside the best
 PHASES = 6  # of a round that are tried, beside those at which one of its robots need not wait
@@ -117,7 +120,11 @@ class _Takeover:
         self.rounds = self._rounds_in_reach(ground)
         # how late a plan is, and plans like it at phases beside its own
         self.finer: list[tuple[tuple[float, ...], Iterator[Plan]]] = []
-        self._joined: dict[tuple[int, ...], Round] = {}
+        self._joined: dict[tuple[tuple[int, ...], float], Round] = {}
+        self._drivers = [
+            drivers_of(self.mission.zones, round_.line, [asked.drivers[name] for name in round_.ahead_s])
+            for round_ in self.rounds
+        ]
 
     def plan(self, trajectories: dict[str, Trajectory]) -> Plan:
         """The plan in which robots drive these, in the order of the fleet."""
@@ -173,6 +180,7 @@ class _Takeover:
         names, slots = list(self.standing), [k for k, share in enumerate(sharing) for _ in range(share.robots)]
         costs_s = np.zeros((len(names), len(sharing)))
         for k, share in enumerate(sharing):
+            drivers = [one for number in share.rounds for one in self._drivers[number]]
             for i, name in enumerate(names):
                 if not any(name in self.rounds[number].ahead_s for number in share.rounds):
                     one = self.standing[name]
@@ -180,6 +188,9 @@ class _Takeover:
                     paths = self.paths_by_body.paths(one.robot.body_radius_m)
                     here_m = self.paths_by_body.standing(one.robot, one.place_m)[None]
                     costs_s[i, k] = 1.0 + paths.distances(here_m, places).min() / one.robot.ground_speed_m_s
+                costs_s[i, k] += SHORT_S * max(
+                    (one.shortfalls(self.standing[name].robot) for one in drivers), default=0
+                )
         costs_s = np.where(np.isfinite(costs_s), costs_s, 1e9)
         who, where = linear_sum_assignment(costs_s[:, slots])
         own: list[list[str]] = [[] for _ in sharing]
@@ -198,19 +209,21 @@ class _Takeover:
         round_ = self.rounds[share.rounds[0]]
         return round_.line.stays or set(names) == set(round_.ahead_s)
 
-    def _round_of(self, share: Share) -> Round:
-        """The round of a share."""
+    def _round_of(self, share: Share, names: Sequence[str]) -> Round:
+        """The round of a share, no faster than the slowest of these robots drives."""
+        robot = min((self.standing[name].robot for name in names), key=lambda robot: robot.ground_speed_m_s)
         if len(share.rounds) == 1:
-            return self.rounds[share.rounds[0]]
-        if share.rounds not in self._joined:
+            return slow_down(self.rounds[share.rounds[0]], robot)
+        key = share.rounds, robot.ground_speed_m_s
+        if key not in self._joined:
             paths = self.paths_by_body.paths(self.robot.body_radius_m)
             lines = [self.rounds[number].line for number in share.rounds]
-            self._joined[share.rounds] = Round(line=join_rounds(lines, self._slowest, paths), ahead_s={})
-        return self._joined[share.rounds]
+            self._joined[key] = Round(line=join_rounds(lines, robot, paths), ahead_s={})
+        return self._joined[key]
 
     def _options(self, share: Share, names: Sequence[str], *, fill: bool) -> list[_Option]:
         """What robots of a share may drive, each at another phase; those that go on as before have no other."""
-        round_ = self._round_of(share)
+        round_ = self._round_of(share, names)
         here = [name for name in names if fill and name in round_.ahead_s and name in self.going_on]
         kept = {name: self.going_on[name] for name in here}
         others = [name for name in names if name not in kept]
@@ -272,7 +285,7 @@ class _Takeover:
         """The plan in which all wait for the last, so that bodies stay apart on their ways, if there is one."""
         loops = []
         for share, names in zip(sharing, own, strict=True):
-            round_ = self._round_of(share)
+            round_ = self._round_of(share, names)
             before = [round_.ahead_s[name] for name in names if name in round_.ahead_s]
             for k, name in enumerate(names):
                 ahead_s = (before[0] if before else 0.0) + k * round_.duration_s / len(names)

@@ -23,6 +23,9 @@ def plan_listed(team: Team, search: Search) -> Plan:
     search: plans for robots taken to be alike. Where a division of the ground fails, groups that missed their periods
     get less of it in the next one. Raises NoPlanFound where none meets the demand, with the best plan there is.
     """
+    for region in team.regions:
+        if not any(group.serves(region) for group in team.groups):
+            raise NoPlanFound(f"zone {region.name}: no robot has a sensor that counts: {', '.join(region.sensors)}")
     if _may_do_as_weakest(team):
         try:
             return search(team.mission)
