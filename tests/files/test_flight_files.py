@@ -113,7 +113,7 @@ def test_nav2_is_told_the_way_until_the_robot_is_on_its_charger(tmp_path: Path) 
     assert list(waypoints)[-1]["wait_s"] == 0
 
 
-def test_a_vda_5050_vehicle_drives_from_charging_to_charging(tmp_path: Path) -> None:
+def test_a_vda_5050_vehicle_drives_until_it_charges(tmp_path: Path) -> None:
     start = "2026-05-01T12:00:00Z"
     paths = export_plan(relieved(3), "vda5050", tmp_path / "out", start_time=start)
     rows = rows_of(paths)
@@ -125,7 +125,7 @@ def test_a_vda_5050_vehicle_drives_from_charging_to_charging(tmp_path: Path) -> 
         assert {message["serialNumber"] for message in sent} == {row["robot"]}
         due = datetime.fromisoformat(sent[0]["timestamp"]) - datetime.fromisoformat(start)
         assert due.total_seconds() == pytest.approx(float(row["starts_s"]), abs=1e-3)
-        assert [action_types(sent[0]["nodes"][k]) for k in (0, 1, -1)] == [["stopCharging"], [], ["startCharging"]]
+        assert [action_types(sent[0]["nodes"][k]) for k in (0, 1, -1)] == [[], [], ["startCharging"]]
     assert len({sent[0]["orderId"] for sent in orders.values()}) == 3, "a vehicle takes an order's id once"
     swapped = replace(relieved(3).mission, chargers=(Charger(name="pad", at=(0, 0), places=99, swap_s=60),))
     for plan, settings in ((replace(relieved(3), mission=swapped), []), (relieved(3), ["charging=false"])):

@@ -58,7 +58,7 @@ def drive(sent: list[dict[str, Any]], map_id: str = "map") -> list[tuple[float, 
             assert node.node_position.map_id == map_id
             waits = [action for action in node.actions if action.action_type == "wait"]
             assert {str(action.blocking_type.value) for action in node.actions} <= {"HARD"}
-            assert {action.action_type for action in node.actions} <= {"wait", "stopCharging", "startCharging"}
+            assert {action.action_type for action in node.actions} <= {"wait", "startCharging"}
             wait_s = sum(parameter.value for action in waits for parameter in action.action_parameters or ())
             edge = edges.get(node.sequence_id - 1)
             seen = (node.node_position.x, node.node_position.y, edge.max_speed if edge else None, wait_s)

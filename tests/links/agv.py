@@ -20,7 +20,7 @@ from typing import Any
 from aiomqtt import Client, MqttError, Will
 from vda5050.validation.schema_validator import SchemaValidator
 
-from rota.links.vda5050 import ended
+from rota.links.vda5050_broker import end_task
 
 Json = dict[str, Any]
 # of version 2.1, as vda5050-sdk holds them; of 3.0.0 from github.com/VDA5050/VDA5050, less commas that are no JSON
@@ -321,7 +321,7 @@ async def driving(port: int, *agvs: Agv) -> AsyncIterator[None]:
         try:
             yield
         finally:
-            outcomes = await asyncio.gather(*map(ended, tasks), return_exceptions=True)
+            outcomes = await asyncio.gather(*map(end_task, tasks), return_exceptions=True)
             for outcome in outcomes:
                 if isinstance(outcome, Exception) and not isinstance(outcome, MqttError):
                     raise outcome

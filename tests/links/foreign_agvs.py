@@ -60,6 +60,8 @@ class ForeignAgv:
     speed_m_s: float = 1.5
     version: str = "2.0.0"
     ticks: float = 5.0
+    battery: float = 100.0
+    fills_h: float = 1.0
     passed: list[tuple[int, float]] = field(default_factory=list)
     errors: list[dict[str, Any]] = field(default_factory=list)
     process: asyncio.subprocess.Process | None = None
@@ -68,7 +70,8 @@ class ForeignAgv:
     async def run(self, port: int, clock: FastTime) -> None:
         given = {
             "port": port, "serial": self.serial, "version": self.version, "ticks": self.ticks, "speed": self.speed_m_s,
-            "x": self.place_m[0], "y": self.place_m[1], "clock": clock.rate, "zero": clock.zero_s,
+            "battery": self.battery, "fills": self.fills_h, "clock": clock.rate, "zero": clock.zero_s,
+            "x": self.place_m[0], "y": self.place_m[1],
         }  # fmt: skip
         self.process = await asyncio.create_subprocess_exec(
             "node", FOLDER / "agv.js", json.dumps(given), stdout=asyncio.subprocess.PIPE
@@ -156,10 +159,12 @@ def with_foreign(
     of: Plan | None = None,
     version: str = "2.0.0",
     slow_m_s: Mapping[str, float] | None = None,
+    batteries: Mapping[str, float] | None = None,
 ) -> Shift:
     """What comes of doing something with a link to a vehicle for each robot, which stands where its way begins.
 
-    slow_m_s: the speeds of those that are slower than their robots.
+    slow_m_s: the speeds of those that are slower than their robots. batteries: of those that are not full, in percent;
+    these are filled in 0.2 h.
     """
     of = of or plan()
 
@@ -168,7 +173,8 @@ def with_foreign(
         for way in of:
             x, y = way.positions_m[0, :2].tolist()
             speed_m_s = (slow_m_s or {}).get(way.robot, of.mission.fleet.robot(way.robot).speed_m_s)
-            agvs[way.robot] = ForeignAgv(way.robot, (x, y), speed_m_s, version)
+            battery = (batteries or {}).get(way.robot, 100.0)
+            agvs[way.robot] = ForeignAgv(way.robot, (x, y), speed_m_s, version, battery=battery, fills_h=0.2)
         async with foreign(port, list(agvs.values()), clock):
             shift = Shift(of, make_link("vda5050", of, [f"port={port}", *given]), agvs)
             try:

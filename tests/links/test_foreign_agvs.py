@@ -11,11 +11,13 @@ import pytest
 from tests.links.agv import broker
 from tests.links.fast_time import FastTime
 from tests.links.foreign_agvs import NAMES, ROUND_S, Shift, plan, require_node, start_m, with_foreign
+from tests.relieved import FLIGHT_S, TURN_S, relieved
 
 from rota.errors import LinkError
 from rota.links.sending import routes_for, send_all
 from rota.live.driving import Driving
 from rota.live.keeping import Keeping, Slack
+from rota.live.notices import Notice, NoticeKind
 from rota.live.ready import make_ready
 from rota.live.watch import Watch
 
@@ -124,6 +126,42 @@ def test_all_wait_for_one_that_cannot_keep_up_and_it_is_told(port: int, monkeypa
     for name in "ac":
         # without waiting they would be 40 s ahead of it by then
         assert late_s["b"][2] - late_s[name][2] < 20
+
+
+@pytest.mark.slow  # 450 s, fifteen times as fast as the clock
+def test_flights_are_orders_and_a_robot_holds_its_post_until_its_relief_has_charged(
+    port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """robot-2 comes to its charger with a battery too low for its next flight, and is let go once it has charged."""
+    make_ready()
+    of, clock = relieved(2), FastTime(rate=15.0)
+    clock.let_links_have_it(monkeypatch)
+    told: list[Notice] = []
+
+    async def drive(shift: Shift) -> None:
+        driving = Driving(shift.link, Watch(of), Keeping(of, {}), None, told.append)
+        await shift.start(clock)
+        await driving.drive(until_s=450.0, should_stop=lambda: False)
+        assert shift.link.trouble == ""
+
+    shift = with_foreign(port, clock, drive, of=of, batteries={"robot-2": 20.0})
+    assert shift.errors == []
+
+    def time_of(kind: NoticeKind, robot: str) -> float:
+        return next(notice.time_s for notice in told if (notice.kind, notice.about) == (kind, robot))
+
+    late_s, comes_s = time_of("relief late", "robot-2"), time_of("relief comes", "robot-2")
+    assert late_s == pytest.approx(TURN_S, abs=8)
+    # a flight and the reserve take 220 s of 400, but for a hundredth; 20 percent are there, and 720 s fill it; vehicles
+    # tell their batteries every 30 s
+    assert comes_s - FLIGHT_S + TURN_S == pytest.approx((220 / 400 - 0.01 - 0.2) * 720, abs=45)
+    assert time_of("takes off", "robot-2") == pytest.approx(comes_s, abs=10)
+    # robot-1 stands between its last two corners until then, and is as much later on its charger
+    assert time_of("lands", "robot-1") - FLIGHT_S == pytest.approx(comes_s - late_s, abs=12)
+    assert time_of("takes off", "robot-1") - 2 * TURN_S == pytest.approx(comes_s - late_s, abs=15)
+    # each flight is an order of its own, whose nodes are counted anew
+    flown = [sequence for sequence, _ in shift.agvs["robot-1"].passed]
+    assert flown[: flown.index(20) + 2] == [*range(0, 22, 2), 0]
 
 
 def test_a_vehicle_of_a_version_that_is_not_spoken_is_told_so(tmp_path: Path) -> None:

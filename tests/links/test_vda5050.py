@@ -20,7 +20,7 @@ from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying
 from rota.errors import LinkError, PlanError, RotaError
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
-from rota.links.vda5050 import ended
+from rota.links.vda5050_broker import end_task
 from rota.model.plan import Plan
 
 LOOP = [(60.0, 0.0), (60.0, 20.0), (0.0, 20.0), (0.0, 0.0)]
@@ -354,7 +354,7 @@ def test_a_task_that_swallows_cancellations_is_ended() -> None:
 
         task = asyncio.create_task(stubborn())
         await asyncio.sleep(0)
-        await asyncio.wait_for(ended(task), 10)
+        await asyncio.wait_for(end_task(task), 10)
         return swallowed
 
     assert asyncio.run(run()) == 2

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.relieved import FLIGHT_S, ROUND_S, TURN_S, WAY_S, relieved
 
 from rota import DiscSensor, Trajectory
 from rota.model.plan import Driven
-from rota.routes.moments import delay, go_on, way_before
+from rota.routes.moments import delay, flight_after, go_on, way_before
 
 LOOPS = Trajectory(
     robot="a",
@@ -46,3 +47,19 @@ def test_a_late_robot_is_where_it_was_so_much_sooner() -> None:
     moments = np.linspace(0, 40, 301)
     assert np.abs(late.at(moments) - LOOPS.at(np.maximum(moments - 2.5, 0))).max() < 1e-9
     assert delay(LOOPS, 0) is LOOPS
+
+
+def test_a_flight_after_a_moment_ends_on_the_charger() -> None:
+    way = relieved(3)["robot-1"]  # flies from 0 on, from 480 s on, and so on, and is on its charger from 180 s on
+    for leaves_s in (0.0, 3 * TURN_S, 30 * TURN_S):
+        flight = flight_after(way, leaves_s)
+        assert flight is not None
+        assert [one.from_s for one in flight.charges] == pytest.approx([FLIGHT_S])
+        np.testing.assert_allclose(flight.positions_m[[0, -1]], [[0, 0], [0, 0]], atol=1e-9)
+        moments_s = np.linspace(0, FLIGHT_S, 50)
+        np.testing.assert_allclose(flight.at(moments_s), way.at(moments_s + leaves_s), atol=1e-6)
+    under_way = flight_after(way, WAY_S + ROUND_S)
+    assert under_way is not None
+    assert under_way.charges[0].from_s == pytest.approx(ROUND_S + WAY_S)
+    assert flight_after(way, FLIGHT_S + 1.0) is None
+    assert flight_after(LOOPS, 5.0) == go_on(LOOPS, 5.0)

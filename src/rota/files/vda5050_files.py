@@ -38,7 +38,7 @@ class OrderSettings(Settings):
     manufacturer: str = setting("rota", "the vehicles' manufacturer, which their topics and orders name")
     version: str = setting("2.1.0", f"of VDA 5050, as the vehicles write it: {SPOKEN}")
     wait_action: str = setting("wait:duration", "the action that waits, and its parameter that takes seconds")
-    charging: bool = setting(True, "flights begin with the action stopCharging and end with startCharging")
+    charging: bool = setting(True, "flights end with the action startCharging")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -73,7 +73,7 @@ def write_vda5050_orders(
 
     flights: those of the plan's robots that charge, in its order, where it is a ``plan_of_flights``. The orders of each
     are for the vehicle of the flight's robot, due from when it first starts on; where batteries are not swapped, the
-    vehicle stops charging first, and charges again at its end.
+    vehicle begins to charge at its end.
 
     Raises PlanError for plans with heights, of which VDA 5050 knows nothing, for names that it does not take and for
     dates after the year 9999; RotaError when the folder cannot be written to. Nothing is written on errors of the plan.
@@ -95,7 +95,7 @@ def orders_text(
     start: datetime,
     robot: Robot,
     flight: Flight | None = None,
-    swapping: Collection[str | None] = (),
+    swapping: Collection[str] = (),
 ) -> str:
     """One robot's messages. The order's id comes from what is ordered, so that another plan is another order.
 
@@ -113,13 +113,8 @@ def orders_text(
     start += timedelta(seconds=flight.starts_s if flight else 0.0)
     arrivals_s = _arrivals_s(route, rounds_within(route, settings.duration_s))
     require_dated(trajectory.robot, start, float(arrivals_s[-1]))
-    from_charger, to_charger = (flight.from_charger, flight.charger) if flight and settings.charging else (None, None)
-    stops = NumberedStops(
-        route,
-        robot.turn_rate_rad_s,
-        leaves_charger=from_charger not in {None, *swapping},
-        charges=to_charger not in {None, *swapping},
-    )
+    charges = flight is not None and settings.charging and flight.charger not in swapping
+    stops = NumberedStops(route, robot.turn_rate_rad_s, charges)
     ordered = (stops.once, stops.every_round, *([trajectory.robot] if flight else []))
     order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr(ordered)))
 

@@ -68,16 +68,14 @@ def require_id(what: str, name: str) -> None:
 class NumberedStops:
     """A route's stops in the order of driving, each with the id of its node, and numbers that go on for ever."""
 
-    def __init__(
-        self, route: Route, turn_rate_rad_s: float | None = None, leaves_charger: bool = False, charges: bool = False
-    ) -> None:
+    def __init__(self, route: Route, turn_rate_rad_s: float | None = None, charges: bool = False) -> None:
         """Stops ``once`` from where the robot begins to where rounds begin, then those of ``every_round``.
 
-        turn_rate_rad_s: of a robot that turns on the spot; None: it turns in no time. leaves_charger, charges: of a
-        flight: the robot stops charging where it begins, and begins to charge where it ends.
+        turn_rate_rad_s: of a robot that turns on the spot; None: it turns in no time. charges: it begins to charge at
+        the last stop, where it stays.
         """
         self.robot = route.robot
-        self._leaves_charger, self._charges = leaves_charger, charges
+        self._charges = charges
         self.once, self.every_round = with_turning(from_start(route), route.every_round, turn_rate_rad_s)
 
     @property
@@ -95,10 +93,9 @@ class NumberedStops:
         past = number - self.arrived
         return f"a{number}" if past < 0 else f"l{past % len(self.every_round) if self.every_round else 0}"
 
-    def charging_actions(self, number: int) -> list[str]:
-        """The predefined actions at a stop: ``stopCharging`` at the first, ``startCharging`` at the last, if any."""
-        begins, ends = self._leaves_charger and number == 0, self._charges and number == self.arrived
-        return ["stopCharging"] * begins + ["startCharging"] * ends
+    def charges_at(self, number: int) -> bool:
+        """Whether the robot begins to charge at a stop."""
+        return self._charges and number == self.arrived and not self.every_round
 
     def last_within(self, first: int, last: int) -> int:
         """``last``, or less where the path ends before or an edge would come twice."""
@@ -191,9 +188,9 @@ def wait_id(order_id: str, number: int) -> str:
 def _node(stops: NumberedStops, vehicle: Vehicle, order_id: str, number: int, released: bool, told: RouteStop) -> Json:
     """The node of a stop, with what the vehicle does there."""
     actions = [vehicle.wait.action(wait_id(order_id, number), told.wait_s)] if vehicle.wait and told.wait_s > 0 else []
-    for name in stops.charging_actions(number):
-        key = f"{order_id}:{2 * number}:{name}"
-        actions.append({"actionType": name, "actionId": key, "blockingType": "HARD", "actionParameters": []})
+    if stops.charges_at(number):
+        charge = {"actionType": "startCharging", "actionId": f"{order_id}:{2 * number}:startCharging"}
+        actions.append({**charge, "blockingType": "HARD", "actionParameters": []})
     return {
         "nodeId": stops.node_id(number),
         "sequenceId": 2 * number,

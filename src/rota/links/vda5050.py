@@ -16,7 +16,8 @@ from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, wait_action_gi
 from rota.links.extras import required
 from rota.links.link import Order
 from rota.links.reporting import RealTimeLink
-from rota.links.vda5050_broker import BY_RELEASE, Broker, Vda5050Settings
+from rota.links.vda5050_broker import BY_RELEASE, Broker, Vda5050Settings, end_task
+from rota.links.vda5050_flights import VehicleFlights
 from rota.links.vda5050_state import (
     LOST,
     Malformed,
@@ -34,7 +35,6 @@ from rota.links.vda5050_vehicle import ENDED, Vda5050Vehicle
 from rota.model.plan import Plan
 from rota.routes.route import Place3, Route, route_of
 
-END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
 RELEASE_S = 0.1  # between two looks whether stops are to be released
 INTRODUCED_S = 1.0  # within which the broker tells what it has kept of a vehicle
 KEPT_S = 0.1  # between the first and the last of that
@@ -44,19 +44,6 @@ ONE_INSTANT_S, SHORTEST_S = 0.01, 2e-3
 MOST_TROUBLES = 3  # vehicles of which it is told at once what is wrong with them
 
 SETTINGS = Vda5050Settings
-
-
-async def ended(task: asyncio.Task[None]) -> None:
-    """Cancel a task until it has ended; what it raised is raised here.
-
-    Once may not do. aiomqtt waits with ``asyncio.wait_for``, and before Python 3.12 that swallows a cancellation that
-    comes just when its wait ends.
-    """
-    while not task.done():
-        task.cancel()
-        await asyncio.wait([task], timeout=END_AGAIN_S)
-    with suppress(asyncio.CancelledError):
-        await task
 
 
 def link_to(plan: Plan, settings: Vda5050Settings) -> Vda5050Link:
@@ -71,9 +58,11 @@ class Vda5050Link(RealTimeLink):
     takes_fences = False
     drives_along = True
     keeps_phase = True
+    relieves = True
 
     def __init__(self, plan: Plan, settings: Vda5050Settings) -> None:
         fleet = plan.mission.fleet
+        self._flights = VehicleFlights(plan, settings.charging)
         self._robots = {trajectory.robot: fleet.robot(trajectory.robot) for trajectory in plan}
         super().__init__(list(self._robots), plan.mission.area.bounds, settings.start_time, "vda5050.start_time")
         self._settings = settings
@@ -234,7 +223,7 @@ class Vda5050Link(RealTimeLink):
         """Vehicles drive to the end of what has been released to them, and wait there."""
         self._inbox.close()
         for task in self._tasks:
-            await ended(task)
+            await end_task(task)
         await self._broker.close()
 
     # ------------------------------------------------------------ orders
@@ -256,13 +245,18 @@ class Vda5050Link(RealTimeLink):
             raise LinkError(f"robot {name}: it is not in the operating mode AUTOMATIC and takes no orders")
 
     async def send_route(self, route: Route) -> None:
-        """Pause the vehicle and give it the order."""
+        """Pause the vehicle and give it the order; of robots that charge, of its first flight, on a charger none."""
         vehicle, stops = self._vehicle(route.robot), self._stops(route)
+        vehicle.begun_s, vehicle.left_s = None, None
         # where it turns faster than planned, it waits for what is left
         if any(stop.hold_s > 0 for stop in (*stops.once, *stops.every_round)):
             vehicle.identity = replace(vehicle.identity, wait=await self._way_to_wait(vehicle))
         await self._talk.act(vehicle, "startPause", lambda state: state.paused)
-        await self._order(vehicle, stops)
+        if route.robot not in self._flights:
+            await self._order(vehicle, stops)
+        elif (first := self._flights.stops(route.robot, 0.0)) is not None:
+            vehicle.planned = first
+            await self._order(vehicle, first)
 
     async def _way_to_wait(self, vehicle: Vda5050Vehicle) -> WaitAction | None:
         """The action by which a vehicle is to wait; None: by what is released."""
@@ -279,13 +273,13 @@ class Vda5050Link(RealTimeLink):
                 await self._talk.until(vehicle, "factsheet", "instantActions", message, is_over, FACTSHEET_S)
         return vehicle.knows_to_wait
 
-    async def _order(self, vehicle: Vda5050Vehicle, stops: NumberedStops) -> None:
-        order = vehicle.order(stops)
+    async def _order(self, vehicle: Vda5050Vehicle, stops: NumberedStops, from_s: float = 0.0) -> None:
+        order = vehicle.order(stops, from_s)
         await self._talk.until(vehicle, "the order", "order", order, lambda _: vehicle.has_order(order))
 
     async def differences(self, route: Route) -> tuple[str, ...]:
         """Compare the nodes, edges and waits that the vehicle says are ahead of it with those of the order."""
-        return self._vehicle(route.robot).differences()
+        return () if self._flights.is_docked(route.robot) else self._vehicle(route.robot).differences()
 
     async def clear_route(self, robot: str) -> None:
         """Cancel the vehicle's order, and end the pause."""
@@ -302,11 +296,32 @@ class Vda5050Link(RealTimeLink):
         begun_s = (vehicle.begun_s for vehicle in self._vehicles.values() if vehicle.begun_s is not None)
         vehicle = self._vehicle(robot)
         vehicle.begin(next(begun_s, None))
+        vehicle.held = False
         await self._talk.act(vehicle, "stopPause", lambda state: not state.paused)
+        if self._flights.is_docked(robot) and self._settings.charging:
+            await self._talk.publish(vehicle, "instantActions", vehicle.instant_action("startCharging")[1])
 
     async def keep(self, order: Order) -> None:
-        """Orders keep to a clock at all times, by what each stop is told when it is released: to that of all."""
-        self._vehicle(order.robot).keep(order.behind_s)
+        """Orders keep to the clock of all by what each stop is told when it is released; where all hold, it is paused.
+
+        On its charger a vehicle has no order until it is to leave: then that of its next flight.
+        """
+        vehicle = self._vehicle(order.robot)
+        vehicle.keep(order.behind_s)
+        if order.dock is not None:
+            if order.dock.leaves and vehicle.left_s != order.dock.plan_s:
+                await self._leave(vehicle, order.dock.plan_s)
+        elif vehicle.held != (order.rate == 0):
+            held = vehicle.held = order.rate == 0
+            await self._talk.act(vehicle, "startPause" if held else "stopPause", lambda state: state.paused == held)
+
+    async def _leave(self, vehicle: Vda5050Vehicle, plan_s: float) -> None:
+        """Give a vehicle on its charger the order of a flight. One that charges takes none: it stops that first."""
+        if vehicle.state is not None and vehicle.state.charging and self._settings.charging:
+            await self._talk.act(vehicle, "stopCharging", lambda state: not state.charging)
+        if (stops := self._flights.stops(vehicle.robot, plan_s)) is not None:
+            await self._order(vehicle, stops, plan_s)
+            vehicle.left_s = plan_s
 
     def room_s(self, robot: str) -> float:
         """What the waits and the slower legs of a round leave, beyond what its vehicle takes longer."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 MOST_QUEUED = 10_000  # messages that have arrived and wait; later ones are lost
 LOOPBACK = "127.0.0.1"
 BY_RELEASE = "release"
+END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
 RETRY_S = 1.0  # between two tries to reach a broker that was lost
 
 
@@ -44,9 +45,23 @@ class Vda5050Settings(Settings):
         f"how vehicles wait: NAME:PARAMETER, an action and its parameter in seconds; NAME, an action that waits for a"
         f" trigger; {BY_RELEASE}: for stops to be released; empty: as the factsheet tells, else by release",
     )
+    charging: bool = setting(True, "at chargers vehicles are told startCharging, and stopCharging before they leave")
     wait_s: float = setting(10.0, "how long a vehicle may take to be heard", above=0, most=3600)
     answer_s: float = setting(10.0, "how long it may take to do as it is told", above=0, most=3600)
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
+
+
+async def end_task(task: asyncio.Task[None]) -> None:
+    """Cancel a task until it has ended; what it raised is raised here.
+
+    Once may not do. aiomqtt waits with ``asyncio.wait_for``, and before Python 3.12 that swallows a cancellation that
+    comes just when its wait ends.
+    """
+    while not task.done():
+        task.cancel()
+        await asyncio.wait([task], timeout=END_AGAIN_S)
+    with suppress(asyncio.CancelledError):
+        await task
 
 
 class Broker:

@@ -54,7 +54,7 @@ class VehicleError:
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleState:
-    """A state message. battery: 0 to 1. place_m: None where the vehicle does not know where it is.
+    """A state message. battery: 0 to 1; charging: whether it is being filled. place_m: None where that is not known.
 
     actions: the status of each, of instant actions as well.
     """
@@ -68,6 +68,7 @@ class VehicleState:
     place_m: tuple[float, float] | None
     map_id: str
     battery: float
+    charging: bool
     paused: bool
     is_automatic: bool
     errors: tuple[VehicleError, ...]
@@ -161,6 +162,7 @@ def state_of(read: Json) -> VehicleState:
         place_m=place,
         map_id=map_id,
         battery=_number(_dict(read.get(power)), charge, 0, 100) / 100,
+        charging=_dict(read.get(power)).get("charging") is True,
         paused=_get(read, "paused", bool) if "paused" in read else False,
         is_automatic=_get(read, "operatingMode", str) == "AUTOMATIC",
         errors=tuple(map(_error, _get(read, "errors", list))),

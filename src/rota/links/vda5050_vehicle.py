@@ -32,7 +32,9 @@ class Vda5050Vehicle:
     have, empty until one is heard.
     ``has_factsheet``: whether it has told one; ``knows_to_wait``: the action by which it waits, as that tells.
     ``news`` is told of every message. ``was_away``: it or the broker was
-    lost since it was last asked for its state.
+    lost since it was last asked for its state. ``held``: it is paused until all go on. ``left_s``: when in the plan it
+    last left a charger. ``begun_s``: when the clock that it keeps to started, None: it has not; ``behind_s``: how far
+    that is behind the plan's.
     """
 
     identity: Vehicle
@@ -47,6 +49,10 @@ class Vda5050Vehicle:
     connection: str = ""
     was_away: bool = False
     returning: bool = False
+    held: bool = False
+    left_s: float | None = None
+    begun_s: float | None = None
+    behind_s: float = 0.0
     news: asyncio.Condition = field(default_factory=asyncio.Condition)
     _pace: Pace | None = None
     _order: Json | None = None
@@ -79,22 +85,31 @@ class Vda5050Vehicle:
         known = {level: protocol_of(version) for level, version in self.versions.items()}
         return {level: protocol for level, protocol in known.items() if protocol is not None}
 
-    def order(self, stops: NumberedStops) -> Json:
-        """A new order for a route's stops, which replaces what it had."""
+    def order(self, stops: NumberedStops, from_s: float = 0.0) -> Json:
+        """A new order for a route's stops, which replaces what it had; from_s: when in the plan it begins."""
         self._pace = Pace(stops, self.top_speed_m_s)
+        if from_s and self.begun_s is not None:
+            self.planned = stops
+            self._pace.begin(self.begun_s + from_s)
+            self.keep(self.behind_s)
         return self._extended(f"{self.identity.serial_number}-{uuid.uuid4().hex}", update=0)
 
     def forget(self) -> None:
         """It has no order of this program any more."""
-        self._pace, self._order, self.returning = None, None, False
+        self._pace, self._order, self.returning, self.held = None, None, False, False
+        self.begun_s, self.left_s, self.behind_s = None, None, 0.0
 
     def begin(self, others_s: float | None) -> None:
         """The clock that it keeps to starts now, or has when that of others did, unless it runs already."""
-        if self._pace is not None and not self.returning:
-            self._pace.begin(time.monotonic() if others_s is None else others_s)
+        if self.returning or self.begun_s is not None:
+            return
+        self.begun_s = time.monotonic() if others_s is None else others_s
+        if self._pace is not None:
+            self._pace.begin(self.begun_s)
 
     def keep(self, behind_s: float) -> None:
         """Let the clock that it keeps to be so far behind the plan's."""
+        self.behind_s = behind_s
         if self._pace is not None:
             self._pace.behind_s = behind_s
 
@@ -102,11 +117,6 @@ class Vda5050Vehicle:
     def room_s(self) -> float:
         """How late it may be and make it up within a round."""
         return 0.0 if self._pace is None else self._pace.room_s()
-
-    @property
-    def begun_s(self) -> float | None:
-        """When the clock that it keeps to started."""
-        return None if self._pace is None else self._pace.begun_s
 
     @property
     def trouble(self) -> str:
@@ -219,9 +229,10 @@ class Vda5050Vehicle:
         state = self.state
         if state is None or any(error.is_fatal for error in state.errors):
             return "failed" if state is not None else "idle"
-        if not state.nodes and not self._stands_as_planned(state):
+        docked = self._order is None and self.begun_s is not None
+        if not docked and not state.nodes and not self._stands_as_planned(state):
             return "idle"
-        return "paused" if state.paused else "returning" if self.returning else "running"
+        return "paused" if state.paused and not self.held else "returning" if self.returning else "running"
 
     def _stands_as_planned(self, state: VehicleState) -> bool:
         """Whether it has come to where its route ends, and stays there."""

@@ -14,6 +14,7 @@ from rota.model.plan import Charge, Driven, Trajectory
 
 Floats = NDArray[np.float64]
 
+SOON_S = 1e-6  # stays on chargers that end so soon are over
 STAY_S = 1.0  # told of a robot that is on a charger for ever
 APART_S = 1e-9  # rows nearer to each other than this, and than a share as small of the time, are one
 
@@ -122,6 +123,30 @@ def go_on(trajectory: Trajectory, at_s: float, battery: float = 1.0) -> Trajecto
         accelerations_m_s2=changes if changes.any() else None, waypoints=None, battery=battery,
         charges=_charges(_stays(trajectory, at_s, begins_s + loop_s), times_s, -at_s),
     )  # fmt: skip
+
+
+def flight_after(trajectory: Trajectory, at_s: float) -> Trajectory | None:
+    """The flight that a robot is on at a moment, or leaves its charger for: from there until it stays on a charger.
+
+    Its clock is 0 at that moment. None: the robot is on a charger then. All that is driven from then on where the robot
+    comes to no charger any more.
+    """
+    rest = go_on(trajectory, at_s)
+    lands = min((one for one in rest.charges if one.until_s > SOON_S), key=lambda one: one.from_s, default=None)
+    if lands is None:
+        return rest
+    if lands.from_s <= SOON_S:
+        return None
+    flown, ends_s = int(np.searchsorted(rest.times_s, lands.from_s)) + 1, lands.from_s + STAY_S
+    changes = rest.accelerations_m_s2
+    return replace(
+        rest,
+        times_s=np.append(rest.times_s[:flown], ends_s),
+        positions_m=np.vstack([rest.positions_m[:flown], rest.positions_m[flown - 1 : flown]]),
+        accelerations_m_s2=None if changes is None else np.append(changes[: flown - 1], 0.0),
+        loop_start_s=ends_s,
+        charges=(replace(lands, until_s=ends_s),),
+    )
 
 
 def _ends_docked(trajectory: Trajectory) -> bool:

@@ -1,6 +1,7 @@
 // One virtual vehicle of Siemens' vda-5050-lib as it is published; the only argument is JSON.
 //
 // port: the broker's. serial, version: the vehicle's. x, y: where it stands. speed: in m/s. ticks: its steps a second.
+// battery: its charge in percent. fills: hours in which it is filled.
 // clock, zero: its time passes `clock` times as fast since the Unix time `zero` in seconds.
 // It prints a line of JSON for each node that it reaches and for all errors that it reports.
 
@@ -46,6 +47,8 @@ const controller = {
 const adapter = {
     initialPosition: { mapId: "map", x: given.x, y: given.y, theta: 0, lastNodeId: "" },
     vehicleSpeed: given.speed,
+    initialBatteryCharge: given.battery,
+    fullBatteryChargeTime: given.fills,
     tickRate: given.ticks * given.clock,
 };
 const vehicle = new Vehicle({ manufacturer: "rota", serialNumber: given.serial }, client, controller, adapter);
