@@ -46,6 +46,8 @@ pictures: demo
 	$(BIN)/rota draw out/swarm-port.rota.json -o docs/swarm-port.png
 	$(BIN)/rota plan examples/swarm-importance.yaml -o out/swarm-importance.rota.json
 	$(BIN)/rota draw out/swarm-importance.rota.json -o docs/swarm-importance.png
+	$(BIN)/rota plan examples/swarm-charging.yaml -o out/swarm-charging.rota.json
+	$(BIN)/rota draw out/swarm-charging.rota.json -o docs/swarm-charging.png
 	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json
 	$(BIN)/rota draw out/bounce-monitor.rota.json --cells -o docs/bounce-monitor.png
 	$(BIN)/python -m docs.page_pictures

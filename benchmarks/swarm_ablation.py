@@ -26,7 +26,8 @@ from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of
+from rota.planners.swarm.planner import SwarmRun, run_mission
+from rota.planners.swarm.sensing import sensors_of
 
 SOURCES = Path(__file__).parents[1] / "src"
 LEFT_OUT = {  # the file in planners/swarm, what is written there, and what instead

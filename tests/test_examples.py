@@ -98,7 +98,15 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    swarms = {"swarm-hills", "swarm-importance", "swarm-port", "swarm-space", "swarm-square", "swarm-squares"}
+    swarms = {
+        "swarm-charging",
+        "swarm-hills",
+        "swarm-importance",
+        "swarm-port",
+        "swarm-space",
+        "swarm-square",
+        "swarm-squares",
+    }
     others = {"building_map", "bounce-cover", "bounce-free", "bounce-monitor", *swarms}
     assert named == {*MISSIONS, *others, "sweep"}
 

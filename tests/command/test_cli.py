@@ -853,9 +853,10 @@ def test_a_check_that_asks_nothing_of_a_swarm_says_that_it_compiles_what_tells_i
     assert told.err == "rota: compiling, once: half a minute to a minute\n"
     # no table of no demands, and nobody is said to have seen all of nothing
     verdict, robots, *held = told.out.splitlines()
-    assert (verdict, len(held)) == ("verdict: met", 1)
+    assert (verdict, len(held)) == ("verdict: met", 2)
     assert robots == "robots: 1 (lower bound: 1 by the plan's own word); nothing is asked of the ground"
-    assert held[0].startswith("held at last: 100.0% of the ground in range")
+    assert held[0].startswith("as loops begin: 100.0% of the ground in range")
+    assert held[1].startswith("over a loop: ")
 
 
 # ---------------------------------------------------------------- runs of a swarm

@@ -15,8 +15,9 @@ from rota.draw import animate_plan, draw_plan
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import covered_colour, is_deployment
 from rota.draw.plan_picture import plan_figure
-from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
-from rota.model.plan import Plan, Trajectory
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.model.plan import Charge, Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
 LENS_M2 = 2 * 10**2 * math.acos(15 / 20) - 7.5 * math.sqrt(4 * 10**2 - 15**2)  # of two discs of 10 m, 15 m apart
@@ -102,3 +103,27 @@ def test_ground_is_shaded_by_its_importance_under_the_swarm(spread: Plan) -> Non
     covered = (2 * math.pi * 10**2 - LENS_M2) * 4 / (50 * 40 * 4 + 50 * 40 - 200)
     assert f"{covered:.1%}"[:-3] in " ".join(ax.get_title(loc="left") for ax in figure.axes)
     assert not plan_figure(spread).axes[0].images
+
+
+def test_a_swarm_that_charges_is_drawn_when_it_has_least_in_range(spread: Plan):
+    """One robot stands for ever, one on its charger for the first half of each round."""
+    one, other = spread.mission.fleet.robots or ()
+    charging = replace(one, battery=BatteryLimits(endurance_s=100, recharge_s=50))
+    fleet = replace(spread.mission.fleet, robots=(charging, other))
+    mission = replace(spread.mission, fleet=fleet, chargers=(Charger(name="pad", at=(20, 20)),))
+    times_s, charge = [0, 50, 100], Charge(charger="pad", from_s=0, until_s=50)
+    ways = (
+        Trajectory(robot=one.name, times_s=times_s, positions_m=[(20, 20)] * 3, charges=(charge,)),
+        Trajectory(robot=other.name, times_s=times_s, positions_m=[(60, 20)] * 3),
+    )
+    plan = replace(spread, mission=mission, trajectories=ways)
+    fig = plan_figure(plan)
+    titles = [ax.get_title(loc="left") for ax in fig.axes]
+    assert titles[0] == "Ways of a round, robots numbered where it begins"
+    assert titles[1].startswith("In range at worst, after ")
+    assert titles[1].endswith(f" s: {100 * math.pi / 3800:.1%} of the ground")
+    assert titles[2] == "Flights and batteries, which repeat after 100 s"
+    frames = DeploymentFrames(plan, 1.0)
+    for time_s, robots in ((25.0, 1), (75.0, 2)):
+        list(frames.frames(np.array([time_s])))
+        assert frames._share == pytest.approx(robots * 100 * math.pi / 3800, rel=1e-3)

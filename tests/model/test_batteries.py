@@ -46,7 +46,6 @@ WALL = Obstacle(shape=MultiPolygon([box(10, 10, 20, 20)]))
         ),
         ((PAD,), {"battery": BatteryLimits(endurance_s=9)}, "fleet.recharge_s: is missing; charger 'pad' swaps no"),
         ((PAD,), {"turn_rate_rad_s": 1}, "fleet.turn_rate_rad_s: robots that charge turn and change their speed at"),
-        ((PAD,), {"planning": SwarmSettings()}, "fleet.endurance_s: the swarm planner plans no charging"),
         ((PAD,), {"planning": BounceSettings(cell_m=1)}, "fleet.endurance_s: the bounce planner plans no charging"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What robots of a swarm have in range, and see, where they hold for ever, and the ground that none of them can reach.
+"""What robots of a swarm have in range, and see, where they hold or begin their loops, and ground that none can reach.
 
 Only told, not judged: swarms are asked nothing of the ground unless it has a period.
 """
@@ -19,11 +19,12 @@ from rota.check.routes import lines_of, segments_of
 from rota.check.standing import standing_area_of
 from rota.check.tolerances import NO_LENGTH, SLIVER_M, TOUCH_M
 from rota.model.mission import DiscSensor, Mission, Robot, Sensor
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
 
 STEPS = 64  # per quarter of a circle
 SAME_AREA = math.sqrt(math.pi / (2 * STEPS * math.sin(math.pi / (2 * STEPS))))  # of a circle and a polygon round it
 SHADOW_STEPS = 4  # of the far side of a wall's shadow, each of an eighth of a circle at most
+MOMENTS = 240  # of a loop at which it is looked what is in range
 SPOT = 0.1  # of the smallest sensor's reach: the radius of the least ground that is told of
 
 
@@ -33,7 +34,8 @@ class Holding:
 
     seen_m2: of what they have in range, as far as no wall is between. ``unreached``: (x, y, area) of each part of the
     ground that no robot can come to from where it begins, the largest first; a place in it. importance_in_range: the
-    share of the ground's importance in range; None where the mission states none.
+    share of the ground's importance in range; None where the mission states none. in_range_least_m2, in_range_mean_m2:
+    of the longest loop, at MOMENTS of it; None where all robots stay. Robots at chargers have nothing in range.
     """
 
     ground_m2: float
@@ -41,6 +43,8 @@ class Holding:
     seen_m2: float
     unreached: tuple[tuple[float, float, float], ...]
     importance_in_range: float | None = None
+    in_range_least_m2: float | None = None
+    in_range_mean_m2: float | None = None
 
 
 def holding_of(plan: Plan) -> Holding | None:
@@ -55,10 +59,11 @@ def holding_of(plan: Plan) -> Holding | None:
     ranges, views = [], []
     for trajectory in plan:
         robot, place = mission.fleet.robot(trajectory.robot), trajectory.positions_m[-1]
-        if robot.leaves_s is None:
+        if robot.leaves_s is None and not _is_docked(trajectory, trajectory.times_s[-1]):
             ranges.append(in_range(robot, place))
             near = tree.query(ranges[-1])
             views.append(shapely.difference(ranges[-1], shadows(place[:2], walls[near], robot.sensor.reach_m)))
+    least_m2, mean_m2 = _in_range_over_loop_m2(plan, ground)
     reached, seen = (shapely.intersection(shapely.union_all(shapes), ground) for shapes in (ranges, views))
     return Holding(
         ground_m2=ground.area,
@@ -66,7 +71,37 @@ def holding_of(plan: Plan) -> Holding | None:
         seen_m2=seen.area,
         unreached=tuple(_parts_out_of_reach(plan, mission)),
         importance_in_range=importance_in_range(mission, ground, reached),
+        in_range_least_m2=least_m2,
+        in_range_mean_m2=mean_m2,
     )
+
+
+def _is_docked(trajectory: Trajectory, time_s: float) -> bool:
+    """Whether a robot charges at a time of its way or of its first loop, the end of a charge included."""
+    return any(charge.from_s <= time_s <= charge.until_s for charge in trajectory.charges)
+
+
+def _in_range_over_loop_m2(plan: Plan, ground: Any) -> tuple[float | None, float | None]:
+    """The least and the mean area in range of the ground over the longest loop."""
+    if not any(trajectory.loop_duration_s for trajectory in plan):
+        return None, None
+    longest = max(plan, key=lambda one: one.loop_duration_s)
+    areas_m2 = []
+    for share in (np.arange(MOMENTS) + 0.5) / MOMENTS:
+        time_s = longest.loop_start_s + share * longest.loop_duration_s
+        shapes = [
+            in_range(plan.mission.fleet.robot(one.robot), one.at(time_s))
+            for one in plan
+            if not _is_docked(one, _within_loop_s(one, time_s))
+        ]
+        areas_m2.append(shapely.intersection(shapely.union_all(shapes), ground).area)
+    return float(np.min(areas_m2)), float(np.mean(areas_m2))
+
+
+def _within_loop_s(trajectory: Trajectory, time_s: float) -> float:
+    """The time of the trajectory at which the robot is as at a time of any loop."""
+    late_s, lasts_s = time_s - trajectory.loop_start_s, trajectory.loop_duration_s
+    return trajectory.loop_start_s + (late_s % lasts_s if lasts_s > 0 and late_s > 0 else min(late_s, 0.0))
 
 
 def in_range(robot: Robot, place_m: Floats) -> Any:

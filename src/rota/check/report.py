@@ -163,6 +163,7 @@ def _run_end_to_json(end: RunEnd) -> dict[str, Any]:
 
 
 def _holding_to_json(holding: Holding) -> dict[str, Any]:
+    """What a report says of what robots hold."""
     places = [{"x": x, "y": y, "area_m2": area_m2} for x, y, area_m2 in holding.unreached]
     return {
         "ground_m2": holding.ground_m2,
@@ -170,6 +171,8 @@ def _holding_to_json(holding: Holding) -> dict[str, Any]:
         "seen_m2": holding.seen_m2,
         "unreached": places,
         "importance_in_range": holding.importance_in_range,
+        "in_range_least_m2": holding.in_range_least_m2,
+        "in_range_mean_m2": holding.in_range_mean_m2,
     }
 
 

@@ -58,6 +58,8 @@ def report_schema() -> dict[str, Any]:
                     seen_m2=SIZE,
                     unreached={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
                     importance_in_range={**ratio, "description": "share of the ground's; null: none is stated"},
+                    in_range_least_m2={**ratio, "description": "over a loop; null: all robots stay"},
+                    in_range_mean_m2={**ratio, "description": "over a loop; null: all robots stay"},
                 ),
             ],
         },

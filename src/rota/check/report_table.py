@@ -36,11 +36,15 @@ def _holding_lines(report: Report) -> list[str]:
     if held is None:
         return []
     share = 1 / held.ground_m2 if held.ground_m2 > 0 else 0.0
-    lines = [f"held at last: {held.in_range_m2 * share:.1%} of the ground in range"]
+    when = "held at last" if held.in_range_least_m2 is None else "as loops begin"
+    lines = [f"{when}: {held.in_range_m2 * share:.1%} of the ground in range"]
     if held.seen_m2 < held.in_range_m2 - 1e-9 * held.ground_m2:
         lines[0] += f", {held.seen_m2 * share:.1%} seen through no wall"
     if held.importance_in_range is not None:
         lines[0] += f", {held.importance_in_range:.1%} of its importance in range"
+    if held.in_range_least_m2 is not None and held.in_range_mean_m2 is not None:
+        least, mean = held.in_range_least_m2 * share, held.in_range_mean_m2 * share
+        lines.append(f"over a loop: {least:.1%} in range at worst, {mean:.1%} on average")
     lines += [
         f"no robot can reach {number_text(area_m2)} m2 at ({x:.2f}, {y:.2f})" for x, y, area_m2 in held.unreached[:TOLD]
     ]

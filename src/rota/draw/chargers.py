@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 from rota.draw.mission_picture import FONT_PT, plain, points_per_metre
 from rota.draw.palette import CHARGER, CHARGER_INK
 from rota.model.mission import Mission
+from rota.model.plan import Plan
+from rota.routes.flights import has_flights
 
 Floats = NDArray[np.float64]
 
 SIDE_PT, BOLT_PT, BESIDE_PT = 9.5, 7.0, 7.5
+SPOT_PT = 18.0  # between robots on one charger, whose marks and bars are to stay apart
 NEAR_PT = 40.0  # within which marks are in a name's way
 NOWHERE: Floats = np.zeros((0, 2))
 # a bolt from its upper end on, within -1 .. 1
@@ -54,6 +57,33 @@ def draw_chargers(mission: Mission, ax: Axes, *, named: bool = True, marks_m: Fl
             zorder=6.4,
         )
         label.set_path_effects([withStroke(linewidth=2.4, foreground="white")])
+
+
+def spots_of(plan: Plan, ax: Axes) -> list[Floats]:
+    """Where each robot (2,) is shown when it charges: on rings round its charger, within the map."""
+    scale = points_per_metre(ax)
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    edge_m = SPOT_PT / 2 / scale
+    low, high = np.array([left, bottom]) + edge_m, np.array([right, top]) - edge_m
+    chargers = {charger.name: np.array(charger.at) for charger in plan.mission.chargers}
+    rings = [
+        ring * SPOT_PT * np.array([np.cos(turn), np.sin(turn)])
+        for ring in range(1, 40)
+        for turn in np.pi / 2 + np.arange(6 * ring) * 2 * np.pi / (6 * ring)
+    ]
+    taken: list[Floats] = []
+    found = []
+    for trajectory in plan:
+        if not has_flights(trajectory):
+            found.append(trajectory.positions_m[0, :2])
+            continue
+        centre_m = chargers[trajectory.charges[0].charger]
+        tried = (centre_m + offset / scale for offset in rings)
+        inside = (spot for spot in tried if (spot >= low).all() and (spot <= high).all())
+        free = (spot for spot in inside if all(np.hypot(*(spot - other)) > 0.95 * SPOT_PT / scale for other in taken))
+        taken.append(next(free, centre_m))
+        found.append(taken[-1])
+    return found
 
 
 def charger_entry() -> Line2D:

@@ -16,8 +16,9 @@ from matplotlib.patheffects import withStroke
 
 from rota.check.batteries import Battery, batteries_of
 from rota.draw.mission_picture import FONT_PT, plain
-from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, FLOWN_ONCE, RESERVE, RESTS, pale, route_style
-from rota.draw.routes import ONCE, flight_colour, service_in
+from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, DOCKED, FLOWN_ONCE, RESERVE, RESTS, pale, route_style
+from rota.draw.route_lines import robot_colours
+from rota.draw.routes import ONCE, flight_colour, serves_loops, service_in
 from rota.draw.two_maps import Chart
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import flights_of, has_flights
@@ -73,16 +74,20 @@ def draw_charging(plan: Plan, ax: Axes) -> None:
     unit_s, unit = _unit(until_s)
     ax.set_xlim(0, until_s / unit_s)
     ax.set_ylim(len(plan) - 0.5 + 0.05, -0.55)
-    serves = iter(service_in(plan).serves)
+    serves, colours = iter(service_in(plan).serves if serves_loops(plan) else ()), robot_colours(plan)
     batteries = batteries_of(plan)
     row_in = ax.get_window_extent().height / ax.figure.dpi / len(plan)
     for row, (trajectory, battery) in enumerate(zip(plan, batteries, strict=True)):
         flown: dict[int, Spans] = defaultdict(list)
         for flight in flights_of(trajectory) if has_flights(trajectory) else ():
-            loop = next(serves)
-            flown[loop] += _within(flight.starts_s, flight.lasts_s, flight.every_s, until_s)
+            flown[next(serves, row)] += _within(flight.starts_s, flight.lasts_s, flight.every_s, until_s)
         for loop, spans in flown.items():
-            _draw_flights(ax, row, [(a / unit_s, b / unit_s) for a, b in spans], loop, named=row_in >= LETTER_IN)
+            told = [(a / unit_s, b / unit_s) for a, b in spans]
+            if serves_loops(plan):
+                _draw_flights(ax, row, told, flight_colour(loop))
+                _draw_letters(ax, row, told if row_in >= LETTER_IN and loop != ONCE else [], loop)
+            else:
+                _draw_flights(ax, row, told, colours[row])
         _draw_stays(ax, row, trajectory, battery, until_s, unit_s)
         if battery is not None:
             _draw_level(ax, row, battery, until_s, unit_s)
@@ -97,18 +102,21 @@ def _within(starts_s: float, lasts_s: float, every_s: float, until_s: float) -> 
     return [(begin, end - begin) for begin, end in spans if end > begin]
 
 
-def _draw_flights(ax: Axes, row: int, spans: Spans, loop: int, *, named: bool) -> None:
-    """Bars of a loop's colour, with its letter where there is room."""
-    colour = flight_colour(loop)
+def _draw_flights(ax: Axes, row: int, spans: Spans, colour: str) -> None:
+    """Bars in a colour."""
     ax.broken_barh(
         spans, (row - FILLED / 2, FILLED), facecolors=pale(colour), edgecolors=colour, linewidth=0.5, zorder=2
     )
+
+
+def _draw_letters(ax: Axes, row: int, spans: Spans, loop: int) -> None:
+    """A loop's letter in each bar that has room for it."""
     inch = ax.get_xlim()[1] / (ax.get_window_extent().width / ax.figure.dpi)
-    for begin, lasts in spans if named and loop != ONCE else ():
+    for begin, lasts in spans:
         if lasts > LETTER_IN * len(loop_letter(loop)) * inch:
             text = ax.text(begin + 0.045 * inch, row + FILLED / 2 - 0.06, loop_letter(loop), fontsize=6.5, zorder=4)
             text.set(va="bottom", ha="left", weight="bold", color="black")
-            text.set_path_effects([withStroke(linewidth=1.2, foreground=pale(colour))])
+            text.set_path_effects([withStroke(linewidth=1.2, foreground=pale(flight_colour(loop)))])
 
 
 def _draw_stays(
@@ -169,6 +177,8 @@ def _draw_axes(plan: Plan, ax: Axes, unit: str, row_in: float) -> None:
 
 def _legend(plan: Plan) -> list[Artist]:
     """What bars and lines mean; loops have their letters as in the map."""
+    if not serves_loops(plan):
+        return [Patch(facecolor=DOCKED, label="flies, in its colour on the map"), *_battery_legend(plan)]
     service = service_in(plan)
     entries: list[Artist] = [
         Patch(
@@ -180,6 +190,12 @@ def _legend(plan: Plan) -> list[Artist]:
     ]
     if ONCE in service.serves:
         entries.append(Patch(facecolor=pale(FLOWN_ONCE), edgecolor=FLOWN_ONCE, label="flown once, until loops begin"))
+    return [*entries, *_battery_legend(plan)]
+
+
+def _battery_legend(plan: Plan) -> list[Artist]:
+    """What tells of chargers and batteries."""
+    entries: list[Artist] = []
     entries.append(Patch(facecolor=CHARGES, edgecolor=CHARGES_EDGE, hatch="//////", label="charges"))
     entries.append(Patch(facecolor=RESTS, edgecolor=CHARGES_EDGE, label="at the charger, full"))
     batteries = [battery for battery in batteries_of(plan) if battery is not None]

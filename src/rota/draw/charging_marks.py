@@ -13,17 +13,17 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from rota.check.batteries import batteries_of
-from rota.draw.chargers import draw_chargers
+from rota.draw.chargers import draw_chargers, spots_of
 from rota.draw.mission_picture import points_per_metre
 from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on
-from rota.draw.routes import flight_colour, service_in
+from rota.draw.route_lines import robot_colours
+from rota.draw.routes import flight_colour, serves_loops, service_in
 from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights, on_charger
 
 Floats = NDArray[np.float64]
 
 FILM_COLOURS = (DOCKED, CHARGER, FILLED_WELL, FILLED_LOW, RESERVE)
-SPOT_PT = 18.0  # between robots on one charger, whose marks and bars are to stay apart
 BAR_PT, BAR_HIGH_PT, BELOW_PT = 10.5, 2.2, 7.4
 LOW_SHARE = 0.25  # of what may be used: less is shown as low
 
@@ -40,8 +40,9 @@ class ChargingMarks:
         before = len(ax.lines)
         draw_chargers(plan.mission, ax, named=False)
         self._scale = points_per_metre(ax)
-        self._spots_m = _spots(plan, ax, self._scale)
-        self._colours = _colours_by_flight(plan)
+        self._spots_m = spots_of(plan, ax)
+        self._colours = _colours_by_flight(plan) if serves_loops(plan) else [[] for _ in plan]
+        self._own = robot_colours(plan)
         style: dict[str, Any] = {"capstyle": "butt", "zorder": 7.5}
         self._frames = LineCollection([], colors="black", linewidths=BAR_HIGH_PT + 1.2, **style)
         self._empty = LineCollection([], colors="white", linewidths=BAR_HIGH_PT, **style)
@@ -90,7 +91,7 @@ class ChargingMarks:
                 since_s %= every_s
             if 0 <= since_s <= lasts_s:
                 return colour
-        return self._colours[robot][0][3] if self._colours[robot] else flight_colour(0)
+        return self._colours[robot][0][3] if self._colours[robot] else self._own[robot]
 
     def legend(self) -> list[Line2D]:
         """What its marks mean."""
@@ -112,29 +113,3 @@ def _colours_by_flight(plan: Plan) -> list[list[tuple[float, float, float, str]]
         ]
         for trajectory in plan
     ]
-
-
-def _spots(plan: Plan, ax: Axes, scale: float) -> list[Floats]:
-    """Where each robot (2,) is shown when it charges: on rings round its charger, within the map."""
-    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
-    edge_m = SPOT_PT / 2 / scale
-    low, high = np.array([left, bottom]) + edge_m, np.array([right, top]) - edge_m
-    chargers = {charger.name: np.array(charger.at) for charger in plan.mission.chargers}
-    rings = [
-        ring * SPOT_PT * np.array([np.cos(turn), np.sin(turn)])
-        for ring in range(1, 40)
-        for turn in np.pi / 2 + np.arange(6 * ring) * 2 * np.pi / (6 * ring)
-    ]
-    taken: list[Floats] = []
-    found = []
-    for trajectory in plan:
-        if not has_flights(trajectory):
-            found.append(trajectory.positions_m[0, :2])
-            continue
-        centre_m = chargers[trajectory.charges[0].charger]
-        tried = (centre_m + offset / scale for offset in rings)
-        inside = (spot for spot in tried if (spot >= low).all() and (spot <= high).all())
-        free = (spot for spot in inside if all(np.hypot(*(spot - other)) > 0.95 * SPOT_PT / scale for other in taken))
-        taken.append(next(free, centre_m))
-        found.append(taken[-1])
-    return found

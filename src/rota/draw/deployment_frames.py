@@ -13,6 +13,7 @@ from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
 from rota.planning.plan_summary import range_from
+from rota.routes.flights import on_charger
 
 Floats = NDArray[np.float64]
 
@@ -51,6 +52,7 @@ class DeploymentFrames(FilmFrames):
             Patch(facecolor=covered_colour(1), edgecolor=COVERED_EDGE, label="in range now"),
             Patch(facecolor=covered_colour(2), edgecolor=COVERED_EDGE, label="of two or more"),
             Patch(facecolor=GROUND, edgecolor="#888888", label="in nobody's range"),
+            *([] if self._charging is None else self._charging.legend()),
         ]
         corner = (x, (BOTTOM - 0.42) / high)
         self._fig.legend(
@@ -63,12 +65,16 @@ class DeploymentFrames(FilmFrames):
         times_s = np.array([time_s])
         places = [trajectory.at(times_s)[0] for trajectory in self._plan]
         discs = [
-            range_from(robot.sensor, place)
-            for robot, place in zip(self._robots, places, strict=True)
+            shapely.Polygon() if docked else range_from(robot.sensor, place)
+            for robot, place, docked in zip(self._robots, places, self._who_charges(times_s), strict=True)
             if robot.joins_s <= time_s and (robot.leaves_s is None or time_s < robot.leaves_s)
         ]
         self._views.set_paths([path_of(disc) for disc in discs])
         self._share = shapely.union_all(discs).intersection(self._free).area / self._free.area
+
+    def _who_charges(self, times_s: Floats) -> list[bool]:
+        """Whether each robot charges at a time (1,)."""
+        return [bool(on_charger(trajectory, times_s)[0]) for trajectory in self._plan]
 
     def _move(self, time_s: float, age: Floats) -> None:
         super()._move(time_s, age)

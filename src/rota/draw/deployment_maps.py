@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from rota.cells.importance_cells import importance_in_range
+from rota.draw.chargers import charger_entry, draw_chargers, spots_of
 from rota.draw.mission_picture import draw_mission, mission_legend, outline, points_per_metre
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND, ink_on
 from rota.draw.route_lines import robot_colours
@@ -23,7 +24,8 @@ from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
-from rota.planning.plan_summary import range_at_the_end, range_from
+from rota.planning.plan_summary import least_range_s, range_at, range_from, round_off
+from rota.routes.flights import on_charger, takes_turns
 
 Floats = NDArray[np.float64]
 
@@ -33,10 +35,12 @@ LEAST_BODY_PT = 2.2  # a body drawn smaller than that is not seen
 
 
 def is_deployment(plan: Plan) -> bool:
-    """Whether nothing is asked of any ground and all robots stay in the end."""
+    """Whether nothing is asked of any ground and all robots stay in the end, or are a swarm's that charges in turns."""
     mission = plan.mission
     asked = mission.period_s is not None or any(zone.period_s is not None for zone in mission.zones)
-    return not asked and len(plan.trajectories) > 0 and all(not t.loop_duration_s for t in plan)
+    charges = plan.mission.planning.makes_runs and takes_turns(plan)
+    holds = charges or all(not one.loop_duration_s for one in plan)
+    return not asked and len(plan.trajectories) > 0 and holds
 
 
 def path_of(shape: BaseGeometry) -> Path:
@@ -48,6 +52,35 @@ def path_of(shape: BaseGeometry) -> Path:
 def ends_m(plan: Plan) -> Floats:
     """(n, 2) metres: where the robots hold in the plane."""
     return np.array([trajectory.positions_m[-1, :2] for trajectory in plan])
+
+
+def turns_half(plan: Plan) -> Half:
+    """The ways of robots that charge in turns, over the round that repeats; few robots carry their numbers."""
+    entries: list[Artist] = [
+        Line2D([], [], color="#333333", linewidth=0.9, label="way in a round, each robot's in its colour"),
+        charger_entry(),
+    ]
+    return Half(
+        title="Ways of a round, robots numbered where it begins",
+        draw=lambda ax: draw_turns(plan, ax),
+        legend=[*entries, *mission_legend(plan.mission)],
+    )
+
+
+def draw_turns(plan: Plan, ax: Axes) -> None:
+    """The mission, the loops and the chargers on ``ax`` in metres, and where robots are as their loops begin."""
+    draw_mission(plan.mission, ax)
+    draw_zone_labels(plan.mission, ax, [])
+    colours, many = robot_colours(plan), len(plan.trajectories) > NUMBERED_ROBOTS
+    ways = [trajectory.positions_m[trajectory.loop_index :, :2] for trajectory in plan]
+    lines = LineCollection(ways, colors=colours, linewidths=0.35 if many else 0.75, joinstyle="round", zorder=4)
+    ax.add_collection(lines, autolim=False)
+    places_m = ends_m(plan)
+    draw_chargers(plan.mission, ax)
+    for k, (trajectory, spot_m) in enumerate(zip(plan, spots_of(plan, ax), strict=True)):
+        if any(charge.until_s == trajectory.times_s[-1] for charge in trajectory.charges):
+            places_m[k] = spot_m
+    _draw_numbers(ax, places_m, colours)
 
 
 def ways_half(plan: Plan) -> Half:
@@ -72,22 +105,32 @@ def draw_ways(plan: Plan, ax: Axes) -> None:
     lines = LineCollection(ways, colors=colours, linewidths=0.35 if many else 0.75, joinstyle="round", zorder=4)
     ax.add_collection(lines, autolim=False)
     edge, size = (0.3, 1.0) if many else (0.8, 9.0)
-    starts, ends = np.array([way[0] for way in ways]), ends_m(plan)
+    starts = np.array([way[0] for way in ways])
     ax.scatter(
         starts[:, 0], starts[:, 1], s=size, marker="s", c="white", edgecolors=colours, linewidths=edge, zorder=4.5
     )
-    mark = 4.0 if many else 125.0
-    ax.scatter(ends[:, 0], ends[:, 1], s=mark, c=colours, edgecolors="white", linewidths=edge, zorder=7)
+    _draw_numbers(ax, ends_m(plan), colours)
+
+
+def _draw_numbers(ax: Axes, places_m: Floats, colours: list[str]) -> None:
+    """Draw a mark for each robot at places (n, 2); few carry their numbers."""
+    many = len(places_m) > NUMBERED_ROBOTS
+    edge, mark = (0.3, 4.0) if many else (0.8, 125.0)
+    ax.scatter(places_m[:, 0], places_m[:, 1], s=mark, c=colours, edgecolors="white", linewidths=edge, zorder=7)
     if many:
         return
     style: dict[str, Any] = {"fontsize": 7, "weight": "bold", "ha": "center", "va": "center_baseline", "zorder": 8}
-    for k, (x, y) in enumerate(ends.tolist()):
+    for k, (x, y) in enumerate(places_m.tolist()):
         ax.text(x, y, str(k + 1), color=ink_on(colours[k]), **style)
 
 
 def range_half(plan: Plan) -> Half:
-    """What some robot has in range where they hold, in sum and disc by disc, and what nobody has."""
-    seen, free, sum_m2 = range_at_the_end(plan)
+    """What some robot has in range where they hold, in sum and disc by disc, and what nobody has.
+
+    Of robots that charge in turns, when they have least in range.
+    """
+    time_s = least_range_s(plan)
+    seen, free, sum_m2 = range_at(plan, time_s)
     share, worth = seen.area / free.area, importance_in_range(plan)
     wasted = 1 - seen.area / sum_m2 if sum_m2 > 0 else 0.0
     entries: list[Artist] = [
@@ -100,7 +143,11 @@ def range_half(plan: Plan) -> Half:
     title = f"In range of some robot in the end: {share:.1%} of the ground"
     if worth is not None:
         title = f"In range in the end: {share:.1%} of the ground, {worth:.1%} of its importance"
-    return Half(title=title, draw=lambda ax: draw_range(plan, ax), legend=[*entries, *mission_legend(plan.mission)])
+    if plan.mission.chargers:
+        title = f"In range at worst, after {round_off(time_s)} s: {share:.1%} of the ground"
+    return Half(
+        title=title, draw=lambda ax: draw_range(plan, ax, time_s), legend=[*entries, *mission_legend(plan.mission)]
+    )
 
 
 def covered_colour(times: int) -> tuple[float, float, float]:
@@ -111,11 +158,14 @@ def covered_colour(times: int) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def draw_range(plan: Plan, ax: Axes) -> None:
-    """The mission on ``ax`` in metres, and the footprints and bodies of all robots where they hold."""
+def draw_range(plan: Plan, ax: Axes, time_s: float) -> None:
+    """The mission on ``ax`` in metres, and at a time the footprints and bodies of all robots that do not charge."""
     ground = draw_mission(plan.mission, ax)
-    places, robots = ends_m(plan), [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    last = [trajectory.positions_m[-1] for trajectory in plan]
+    there = [trajectory for trajectory in plan if not on_charger(trajectory, np.array([time_s]))[0]]
+    robots, last = [plan.mission.fleet.robot(trajectory.robot) for trajectory in there], [t.at(time_s) for t in there]
+    places = np.array([place[:2] for place in last]).reshape(-1, 2)
+    if plan.mission.chargers:
+        draw_chargers(plan.mission, ax, named=False)
     seeing = [(robot, place) for robot, place in zip(robots, last, strict=True) if robot.leaves_s is None]
     paths = [path_of(range_from(robot.sensor, place)) for robot, place in seeing]
     width = 0.3 if len(paths) > NUMBERED_ROBOTS else 0.7

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from rota.draw.charging_chart import charging_chart
-from rota.draw.deployment_maps import is_deployment, range_half, ways_half
+from rota.draw.deployment_maps import is_deployment, range_half, turns_half, ways_half
 from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
@@ -89,8 +89,10 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     bounced = rules is not None and rules.cell_m > 0
     if bounced and is_deployment(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), entries_half(plan))
+    below = charging_chart(plan) if takes_turns(plan) else None
     if is_deployment(plan):
-        return two_maps(plan.mission, _header(plan), ways_half(plan), range_half(plan))
+        ways = turns_half(plan) if takes_turns(plan) else ways_half(plan)
+        return two_maps(plan.mission, _header(plan), ways, range_half(plan), below)
     routes = Half(
         title=TURNS_TITLE if takes_turns(plan) else "Routes, numbered where each robot's loop starts",
         draw=lambda ax: draw_routes(plan, ax),
@@ -107,7 +109,6 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
         scale_in=BAR + BAR_TEXT,
         scale=lambda fig, x, y, width: _colour_bar(fig, images[0], x, y - BAR, width),
     )
-    below = charging_chart(plan) if takes_turns(plan) else None
     return two_maps(plan.mission, _header(plan), routes, unseen, below)
 
 

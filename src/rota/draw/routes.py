@@ -50,16 +50,21 @@ def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats
     return times_s[(times_s > from_s) & (times_s < to_s)]
 
 
+def serves_loops(plan: Plan) -> bool:
+    """Whether robots that charge take turns at loops; those of a swarm close the gap instead."""
+    return takes_turns(plan) and not plan.mission.planning.makes_runs
+
+
 def routes_of(plan: Plan) -> tuple[Route, ...]:
     """The plan's loops, each once, in the order of their first robots.
 
     Robots share a loop when their polylines are the same closed curve run the same way in the same time, wherever on it
     each begins. Robots that stay are never merged. Of robots that charge it is the loops that they take turns at.
     """
-    routes = list(_loops_in_turns(plan))
+    routes = list(_loops_in_turns(plan)) if serves_loops(plan) else []
     rings: list[Floats] = [np.empty((0, 2))] * len(routes)
     for index, trajectory in enumerate(plan):
-        if has_flights(trajectory):
+        if has_flights(trajectory) and serves_loops(plan):
             continue
         loop_m = trajectory.positions_m[trajectory.loop_index :, :2]
         ring = corners(loop_m) if trajectory.loop_duration_s > 0 else loop_m[:0]
@@ -98,8 +103,6 @@ def flight_colour(loop: int) -> str:
 
 def _loops_in_turns(plan: Plan) -> Iterator[Route]:
     """The loops that robots which charge take turns at."""
-    if not takes_turns(plan):
-        return
     number_of = {trajectory.robot: number for number, trajectory in enumerate(plan)}
     for number, loop in enumerate(service_in(plan).loops):
         yield Route(

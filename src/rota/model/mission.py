@@ -225,7 +225,7 @@ class Mission:
     )
     chargers: tuple[Charger, ...] = field_of(
         (),
-        "of patrol: where robots with an endurance_s charge",
+        "of patrol and swarm: where robots with an endurance_s charge",
         count=((0, None),),
         newer=True,
         spared=True,

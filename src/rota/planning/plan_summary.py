@@ -16,6 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.model.mission import AREA, DiscSensor, Mission, Sensor, Zone
 from rota.model.plan import Plan, Trajectory
 from rota.model.polygons import polygons_of
+from rota.routes.flights import on_charger
 from rota.routes.passed_stops import passed_stops
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 
 # a regular 256-gon with a circle's area has a radius so much larger
 SAME_COST = 1e-9  # sums of costs differ by less where they are the same
+MOMENTS = 120  # of a loop at which it is looked what is in range
 AS_LARGE = math.sqrt(2 * math.pi / (256 * math.sin(2 * math.pi / 256)))
 
 
@@ -187,20 +189,33 @@ def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
 
 
 def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
-    """What the robots have in range at their last places, the ground without what cuts sight, both as shapes.
+    """What the robots have in range at their last places; see ``range_at``."""
+    return range_at(plan, max((float(trajectory.times_s[-1]) for trajectory in plan), default=0.0))
 
-    The third is the area in square metres that all their footprints have together.
+
+def range_at(plan: Plan, time_s: float) -> tuple[BaseGeometry, BaseGeometry, float]:
+    """What the robots have in range at a time, the ground without what cuts sight, both as shapes.
+
+    The third is the area in square metres that all their footprints have together. Robots that charge then, or ever
+    leave, have none.
     """
     mission = plan.mission
     free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
-    footprints, sum_m2 = [], 0.0
-    for trajectory in plan:
-        robot = mission.fleet.robot(trajectory.robot)
-        if robot.leaves_s is not None:
-            continue
-        footprints.append(range_from(robot.sensor, trajectory.positions_m[-1]))
-        sum_m2 += footprints[-1].area
-    return union_all(footprints).intersection(free), free, sum_m2
+    footprints = [
+        range_from(mission.fleet.robot(one.robot).sensor, one.at(time_s))
+        for one in plan
+        if mission.fleet.robot(one.robot).leaves_s is None and not on_charger(one, np.array([time_s]))[0]
+    ]
+    return union_all(footprints).intersection(free), free, sum(footprint.area for footprint in footprints)
+
+
+def least_range_s(plan: Plan) -> float:
+    """The time at which robots have least in range, of ``MOMENTS`` of the longest loop; the end where all stay."""
+    longest = max(plan, key=lambda one: one.loop_duration_s)
+    if not longest.loop_duration_s:
+        return max(float(one.times_s[-1]) for one in plan)
+    times_s = longest.loop_start_s + longest.loop_duration_s * (np.arange(MOMENTS) + 0.5) / MOMENTS
+    return float(min(times_s.tolist(), key=lambda time_s: range_at(plan, time_s)[0].area))
 
 
 def approach_sentence(plan: Plan) -> str | None:

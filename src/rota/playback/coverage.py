@@ -14,6 +14,7 @@ from rota.model.mission import DiscSensor
 from rota.model.plan import Plan, Trajectory
 from rota.planning.plan_summary import range_at_the_end
 from rota.playback import kernels
+from rota.routes.flights import on_charger
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,14 +38,15 @@ class Coverage(NamedTuple):
 
 
 def range_over_time(plan: Plan) -> Coverage | None:
-    """What robots that all hold in the end have in range, obstacles aside, as pictures count it; None for others.
+    """What robots of a swarm, or that all hold in the end, have in range, as pictures count it; None for others.
 
     Judged at the centres of some ``CELLS`` cells.
     """
-    if not len(plan.trajectories) or any(trajectory.loop_duration_s for trajectory in plan):
+    loops_s = max((trajectory.loop_duration_s for trajectory in plan), default=0.0)
+    if not len(plan.trajectories) or (loops_s and not plan.mission.planning.makes_runs):
         return None
     cell_map = cell_map_of(plan.mission, CELLS)
-    end_s = max(float(trajectory.times_s[-1]) for trajectory in plan)
+    end_s = max(float(trajectory.times_s[-1]) for trajectory in plan) + loops_s
     times_s = np.linspace(0.0, end_s, MOMENTS if end_s > 0 else 1)
     places_m = np.stack([_places_at(trajectory, times_s) for trajectory in plan], 1)
     reaches_m, squares = sensors_of(plan)
@@ -55,6 +57,7 @@ def range_over_time(plan: Plan) -> Coverage | None:
             radii_m[:, k] = [sensor.radius_at_m(float(height_m)) for height_m in places_m[:, k, 2]]
     joins_s, leaves_s = away_times_s(plan)
     radii_m[(times_s[:, None] < joins_s) | (times_s[:, None] > leaves_s)] = -1.0
+    radii_m[np.stack([on_charger(trajectory, times_s) for trajectory in plan], 1)] = -1.0
     flat_m = np.ascontiguousarray(places_m[:, :, :2])
     counts = kernels.cells_in_range(flat_m, radii_m, squares, cell_map.x_m, cell_map.y_m, cell_map.inside)
     seen, free, _ = range_at_the_end(plan)
@@ -62,7 +65,7 @@ def range_over_time(plan: Plan) -> Coverage | None:
         what="ground in range",
         times_s=times_s,
         shares=counts / max(int(cell_map.inside.sum()), 1),
-        at_rest=seen.area / free.area if free.area > 0 else None,
+        at_rest=seen.area / free.area if free.area > 0 and not loops_s else None,
     )
 
 

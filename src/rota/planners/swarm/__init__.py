@@ -46,12 +46,15 @@ class SwarmPlanner(Planner):
         return Answer(plan=run.plan, checkpoint=run.state if end is not None and end.goes_on else None)
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
-        """When robots hold, how much they then have in range, and the worst gap."""
-        from rota.planners.swarm.sentences import covered_sentence, holding_sentence, reach_sentences
+        """When robots hold, or charge in turns, how much they have in range, and the worst gap."""
+        from rota.planners.swarm.sentences import covered_sentence, holding_sentence, loop_sentences, reach_sentences
         from rota.planning.plan_summary import ratio_sentence
 
         yield from answer.facts
-        yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), *reach_sentences(answer.plan))
+        if answer.plan.mission.chargers:
+            yield from (*loop_sentences(answer.plan, report), *reach_sentences(answer.plan))
+        else:
+            yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), *reach_sentences(answer.plan))
         yield ratio_sentence(answer.plan, report)
 
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:

@@ -12,12 +12,13 @@ from rota.planners.swarm.chunks import Chunks
 from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.delayed_news_kernels import NUMBER_OF, OWN, Filtering, decide_from_delayed_news
 from rota.planners.swarm.filter_kernels import filter_velocities
+from rota.planners.swarm.guide_kernels import steer
 from rota.planners.swarm.messages import Messages
 from rota.planners.swarm.planner_settings import Device
 from rota.planners.swarm.reciprocal_block_kernels import BLOCK, MOST_ROUND, PLANES, ROWS, BlockRoom, decide_in_blocks
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.state import Decisions, Hearing, Kinds, Near, Outline, Room, Rule, Snapshot
+from rota.planners.swarm.state import Decisions, Guide, Hearing, Kinds, Near, Outline, Room, Rule, Snapshot
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
 
 FEWEST_PER_CHUNK, FEWEST_OF_SETTLE = 256, 16  # robots whose decisions take about as long as it takes to wake a thread
@@ -64,9 +65,16 @@ class Deciding:
             ]
 
     def decide(
-        self, snapshot: Snapshot, messages: Messages | None, decisions: Decisions, then: Callable[[int, int], float]
+        self,
+        snapshot: Snapshot,
+        messages: Messages | None,
+        decisions: Decisions,
+        then: Callable[[int, int], float],
+        guide: Guide | None = None,
     ) -> list[float]:
         """The velocities of all robots from a snapshot; messages: what they have heard of the others, None: all.
+
+        guide: where robots are sent that know all; None: all decide for themselves.
 
         Returns what then(begin, end) does for the robots begin to end - 1 of each part, once these have decided.
         """
@@ -75,22 +83,31 @@ class Deciding:
 
         def decide_part(begin: int, end: int, part: int) -> float:
             if self._device is None:
-                self._decide_part(begin, end, part, snapshot, messages, decisions)
+                self._decide_part(begin, end, part, snapshot, messages, decisions, guide)
             return then(begin, end)
 
         return self.chunks.run(decide_part)
 
     def _decide_part(
-        self, begin: int, end: int, part: int, snapshot: Snapshot, messages: Messages | None, decisions: Decisions
+        self,
+        begin: int,
+        end: int,
+        part: int,
+        snapshot: Snapshot,
+        messages: Messages | None,
+        decisions: Decisions,
+        guide: Guide | None,
     ) -> None:
         """Decide for the robots begin..end - 1 in one thread, with its part of the room."""
         if messages is not None:
             self._decide_from_messages(begin, end, part, snapshot, messages, decisions)
-        elif self._blocks and not len(snapshot.moving.x):
+        elif self._blocks and guide is None and not len(snapshot.moving.x):
             widest_m = self._widest_m if self._safe else -1.0
             decide_in_blocks(begin, end, snapshot, widest_m, decisions, self._blocks[part])
         else:
             self._decide(begin, end, snapshot, decisions, self._rooms[part])
+            if guide is not None:
+                steer(begin, end, snapshot, guide, decisions)
             if self._safe:
                 filter_velocities(begin, end, snapshot, self._widest_m, EXACT, decisions, self._rooms[part])
 

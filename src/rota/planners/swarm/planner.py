@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.cells.importance_cells import importance_at, states_importance
-from rota.errors import CheckpointError, MissionError
+from rota.errors import CheckpointError
 from rota.geometry.free_space import free_ground
-from rota.model.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
+from rota.model.mission import DiscSensor, Mission
 from rota.model.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
+from rota.planners.swarm.charging.rounds import guide_of, make_rounds, most_spreading_steps
 from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.messages import hearing_of, oldest_steps
@@ -26,10 +27,10 @@ from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rest import blocked_robots, last_change_of, longest_rest_m, steps_at_rest
 from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.sensing import bands_of, sensors_of, squares_of
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
-from rota.planners.swarm.starts import passable_reserve_m, place_starts, spare_room_m
+from rota.planners.swarm.starts import passable_reserve_m, place_starts, require_short_steps, spare_room_m
 from rota.planners.swarm.state import FleetKinds, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
@@ -90,18 +91,14 @@ def run_mission(
     swarm = _swarm_from(state, mission, ground, threads)
     log = _log_from(state)
     still, needed, stop_m = state.steps_at_rest, steps_at_rest(settings), longest_rest_m(mission)
-    presence = Presence(mission)
-    awaited = last_change_of(mission)
+    presence, awaited = Presence(mission), last_change_of(mission)
     observer = None
     if isinstance(swarm, Swarm):
         presence.begin(swarm)
         observer = _observer_of(swarm, mission, ground) if observed else None
     stopped = False
-    while (
-        swarm.steps < settings.most_steps
-        and (still < needed or swarm.steps <= awaited)
-        and not (stopped := should_stop())
-    ):
+    most_steps = min(settings.most_steps, most_spreading_steps(mission, settings.time_step_s))
+    while swarm.steps < most_steps and (still < needed or swarm.steps <= awaited) and not (stopped := should_stop()):
         if isinstance(swarm, Swarm) and presence.update(swarm):
             log.keep_last()
         began_s = time.perf_counter()
@@ -111,18 +108,30 @@ def run_mission(
         log.add(swarm.places_m)
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
-    at_rest = still >= needed and swarm.steps > awaited
+    end = _end_of(swarm, mission, still >= needed and swarm.steps > awaited, stopped)
+    if mission.chargers:
+        log.keep_last()
+    now = _state_of(state, mission, swarm, log, still)
+    if mission.chargers:
+        ways = make_rounds(mission, partial(_begin_again, now, mission, ground, threads), progress, should_stop)
+        plan = Plan(mission=mission, trajectories=ways, seed=seed, run_end=None if end.goes_on else end)
+    else:
+        plan = _plan_of(log, mission, seed, end)
+    return SwarmRun(
+        plan=plan,
+        steps=swarm.steps,
+        at_rest=end.at_rest,
+        history=None if observer is None else observer.history(),
+        state=now,
+    )
+
+
+def _end_of(swarm: Swarm | SpaceSwarm, mission: Mission, at_rest: bool, stopped: bool) -> RunEnd:
+    """How a run ended."""
     blocked = blocked_robots(swarm, mission) if at_rest else ()
     at_rest = at_rest and not blocked
     reason: EndReason = "rest" if at_rest else "blocked" if blocked else "stopped" if stopped else "most_steps"
-    end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason, blocked=blocked)
-    return SwarmRun(
-        plan=_plan_of(log, mission, seed, end),
-        steps=swarm.steps,
-        at_rest=at_rest,
-        history=None if observer is None else observer.history(),
-        state=_state_of(state, mission, swarm, log, still),
-    )
+    return RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason, blocked=blocked)
 
 
 def _observer_of(swarm: Swarm, mission: Mission, ground: MultiPolygon) -> Observer:
@@ -133,7 +142,8 @@ def _observer_of(swarm: Swarm, mission: Mission, ground: MultiPolygon) -> Observ
 def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
     """The robots at their starts; raises MissionError where there is no room, or steps are too long."""
     settings = SwarmSettings.of(mission)
-    _require_short_steps(mission, settings)
+    if not settings.filter:
+        require_short_steps(mission, sensors_of(mission), settings.time_step_s, settings.wall_range_m)
     wish_m = passable_reserve_m(mission, ground, settings.thinning_m) if settings.filter else 0.0
     starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
     reserve_m = min(wish_m, spare_room_m(mission, ground, starts, wish_m))
@@ -166,6 +176,15 @@ def _swarm_from(state: Checkpoint, mission: Mission, ground: MultiPolygon, threa
     if SwarmSettings.of(mission).altitudes_m is not None:
         return make_space_swarm(mission, ground, state, reserve_m=reserve_m, threads=threads)
     return make_swarm(mission, ground, beginning_of(state), seed=state.seed, reserve_m=reserve_m, threads=threads)
+
+
+def _begin_again(
+    state: Checkpoint, mission: Mission, ground: MultiPolygon, threads: int
+) -> tuple[Swarm, TrajectoryLog]:
+    """The swarm that goes on from a state in the plane, and its log."""
+    swarm = _swarm_from(state, mission, ground, threads)
+    assert isinstance(swarm, Swarm)
+    return swarm, _log_from(state)
 
 
 def _log_from(state: Checkpoint) -> TrajectoryLog:
@@ -237,7 +256,9 @@ def make_swarm(
     )
     importance = importance_for(mission, ground, sensors_of(mission))
     surroundings = Surroundings(walls_of(ground), mission.moving_obstacles, importance)
-    return Swarm(beginning, fleet_of(mission, reserve_m), surroundings, controller, threads=threads)
+    swarm = Swarm(beginning, fleet_of(mission, reserve_m), surroundings, controller, threads=threads)
+    swarm.guide = guide_of(mission, swarm) if mission.chargers else None
+    return swarm
 
 
 def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: NDArray[np.float64] | None = None) -> FleetKinds:
@@ -281,13 +302,6 @@ def make_space_swarm(
     )
 
 
-def bands_of(mission: Mission) -> Bands:
-    """The band of each robot of a mission with altitudes: they are dealt out in turn, the lowest band first."""
-    ends = np.array(SwarmSettings.of(mission).altitudes_m, np.float64).reshape(-1, 2)
-    low, high = ends[np.arange(len(mission.fleet.robots or ())) % len(ends)].T
-    return Bands(np.ascontiguousarray(low), np.ascontiguousarray(high))
-
-
 def beginning_of(state: Checkpoint) -> Beginning:
     """Where the swarm of a checkpoint goes on."""
     return Beginning(
@@ -312,35 +326,3 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         time_step_s=settings.time_step_s,
         late=hearing_of(settings) is not None,
     )
-
-
-def sensors_of(mission: Mission) -> Floats:
-    """(n,): radius of each robot's footprint, at the ceiling where it grows with height; a square's half side."""
-    sensors = [robot.sensor for robot in mission.fleet.robots or ()]
-    in_space = SwarmSettings.of(mission).altitudes_m is not None
-    ceilings_m = bands_of(mission).high_m if in_space else np.zeros(len(sensors))
-    return np.array(
-        [
-            sensor.radius_at_m(ceiling_m) if isinstance(sensor, DiscSensor) else inner_reach_m(sensor)
-            for sensor, ceiling_m in zip(sensors, ceilings_m.tolist(), strict=True)
-        ]
-    )
-
-
-def squares_of(mission: Mission) -> NDArray[np.bool_]:
-    """(n,): which robots have square footprints."""
-    return np.array([isinstance(robot.sensor, SquareSensor) for robot in mission.fleet.robots or ()], np.bool_)
-
-
-def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
-    """Without the filter a robot beyond the range in which walls count must not reach one in a single step."""
-    if settings.filter:
-        return
-    for robot, sensor_m in zip(mission.fleet.robots or (), sensors_of(mission), strict=True):
-        step_m, range_m = robot.ground_speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
-        if step_m + robot.body_radius_m > range_m:
-            raise MissionError(
-                f"swarm.time_step_s: {settings.time_step_s:.6g} is not allowed without the filter: robot {robot.name}"
-                f" goes {step_m:.6g} m in a step and heeds walls within {range_m:.6g} m only, so it may jump through"
-                " one; a shorter step or filter: true is needed"
-            )

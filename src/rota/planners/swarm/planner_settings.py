@@ -8,7 +8,15 @@ from typing import Any, ClassVar, Literal
 
 from rota.model.importance import every_importance
 from rota.model.planner_settings import DURATION, LENGTH, LENGTH_OR_ZERO, PlannerSettings, setting
-from rota.model.refusals import Where, every_change_of_presence, every_period, fleet_blocks, inner, robot_count
+from rota.model.refusals import (
+    Where,
+    every_change_of_presence,
+    every_period,
+    fleet_blocks,
+    inner,
+    robot_count,
+    show_value,
+)
 
 Controller = Literal["settle", "reciprocal", "voronoi", "virtual_force"]
 Device = Literal["cpu", "cuda"]
@@ -21,6 +29,7 @@ PLANE_ONLY = {"velocity": "centroid", "boundary": "tangent", "delay_steps": 0, "
 HEEDING_IMPORTANCE = ("settle", "voronoi")
 IN_SPACE = ("settle", "reciprocal")
 OF_RECIPROCAL = ("velocity", "samples", "boundary", "horizon_s", "neighbours", "neighbour_range_m", "alpha")
+FOR_CHARGING = {"altitudes_m": None, "delay_steps": 0, "messages_lost": 0.0, "device": "cpu", "filter": True}
 NEEDED = {"samples": ("velocity", "sampled"), "horizon_s": ("boundary", "circle")}
 
 
@@ -58,6 +67,7 @@ class SwarmSettings(PlannerSettings):
     heeds_moving_obstacles: ClassVar[bool] = True
     heeds_importance: ClassVar[bool] = True
     robots_come_and_go: ClassVar[bool] = True
+    heeds_batteries: ClassVar[bool] = True
     controller: Controller = setting("settle", "reciprocal is the paper's own")
     velocity: VelocityChoice = setting("centroid", "of the set: exact, or the mean of random samples")
     samples: int = setting(1000, least=1, written=(None, MOST_SAMPLES))
@@ -141,6 +151,8 @@ class SwarmSettings(PlannerSettings):
             heeding = " and ".join(HEEDING_IMPORTANCE)
             message = f"the controller {controller} heeds none; {heeding} do: remove it, or choose one of them"
             yield from every_importance(data, message)
+        if data.get("chargers"):
+            yield from _charging_refusals(data)
         if not flying:
             return
         if data.get("moving_obstacles"):
@@ -149,3 +161,15 @@ class SwarmSettings(PlannerSettings):
         yield from every_period(
             data, "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it"
         )
+
+
+def _charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """What a swarm whose robots charge cannot have: its rounds are planned in the plane, with all that robots know."""
+    for name, only in FOR_CHARGING.items():
+        value = inner(data, "swarm", name)
+        if value is not None and value != only:
+            told = "leave it out" if only is None else f"only {str(only).lower()}"
+            yield ("swarm", name), f"{show_value(value)} is not allowed for robots that charge; {told}"
+    if data.get("moving_obstacles"):
+        yield ("moving_obstacles",), "robots of a swarm that charge do not heed them: remove them, or the chargers"
+    yield from every_change_of_presence(data, "robots of a swarm that charges neither join nor leave: remove it")

@@ -17,7 +17,7 @@ from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_dista
 from rota.planners.swarm.kernels import move, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.settle_kernels import decide_settle, note_wishes
-from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, PlaceGraph, Robots, Snapshot
+from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Guide, Kinds, PlaceGraph, Robots, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
@@ -86,6 +86,7 @@ class Swarm:
         walls, decide, rule, hearing = surroundings.walls, controller.decide, controller.rule, controller.hearing
         self.steps = beginning.steps
         self.moving = surroundings.moving
+        self.guide: Guide | None = None
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
         self._slack_m, self._unsorted_m = _slack_m(kinds, n, rule.time_step_s), 0.0
         self.grid: Grid = make_grid(
@@ -170,6 +171,12 @@ class Swarm:
         self._robots.kind[chosen] = absent if bodies_stay else len(self.kinds.body_m) - 1
         self._robots.vx[chosen] = self._robots.vy[chosen] = 0.0
 
+    def lead(self, numbers: ArrayLike, *, led: bool = True) -> None:
+        """Let robots of these numbers go where the guide leads them, as bodies, or take part from where they are."""
+        chosen = self._rows(numbers)
+        self._robots.kind[chosen] = self._present_kind[self._robots.name[chosen]] + 2 * self._member_kinds * led
+        self.rule = self.rule._replace(last_change=self.steps)  # what they know begins to settle anew
+
     def join(self, numbers: ArrayLike, places_m: ArrayLike | None = None) -> None:
         """Let absent robots of these numbers in the fleet take part from the next step on, from where they are.
 
@@ -237,11 +244,12 @@ class Swarm:
         decisions = Decisions(decided.vx, decided.vy, self._nearest2)
         self.steps += 1
         if self._slack_m == 0:
-            self._deciding.decide(snapshot, self._messages, decisions, lambda _begin, _end: 0.0)
+            self._deciding.decide(snapshot, self._messages, decisions, lambda _begin, _end: 0.0, self.guide)
             return self._move_and_sort()
         ways2 = self._deciding.decide(
-            snapshot, self._messages, decisions, lambda begin, end: move(begin, end, robots, decided, time_step_s)
-        )
+            snapshot, self._messages, decisions,
+            lambda begin, end: move(begin, end, robots, decided, time_step_s), self.guide,
+        )  # fmt: skip
         return self._take_moved(math.sqrt(max(ways2)))
 
     def _pass_on_distances(self, snapshot: Snapshot) -> None:

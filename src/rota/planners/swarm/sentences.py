@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from shapely import union_all
@@ -14,6 +15,9 @@ from rota.geometry.line_of_sight import visibility_polygon
 from rota.model.plan import Plan
 from rota.planners.swarm.reach import unreached_ground
 from rota.planning.plan_summary import range_at_the_end, range_from, round_off
+
+if TYPE_CHECKING:
+    from rota.planning.planner import Report
 
 TOLD = 5  # parts of the ground that cannot be reached
 
@@ -28,6 +32,26 @@ def holding_sentence(plan: Plan) -> str:
     if plan.run_end is None or plan.run_end.at_rest:
         return f"{held}."
     return f"{held}: the run was {plan.run_end.text()}."
+
+
+def loop_sentences(plan: Plan, report: Report) -> Iterator[str]:
+    """Of robots that charge, from when on all repeats, how many are away at once, and what is in range meanwhile."""
+    from rota.planning.charging_summary import charging_table
+
+    first, n = plan.trajectories[0], len(plan.trajectories)
+    begins_s = np.array([charge.from_s for one in plan for charge in one.charges])
+    ends_s = np.array([charge.until_s for one in plan for charge in one.charges])
+    most = int(((begins_s <= begins_s[:, None]) & (begins_s[:, None] < ends_s)).sum(axis=1).max())
+    yield (
+        f"From {round_off(first.loop_start_s)} s on all repeats every {round_off(first.loop_duration_s)} s:"
+        f" {n} robot{'s leave' if n != 1 else ' leaves'} for a charger in turn and rejoin{'' if n != 1 else 's'},"
+        f" and no more than {most} charge at once."
+    )
+    held = report.holding
+    if held is not None and held.in_range_least_m2 is not None and held.in_range_mean_m2 is not None:
+        least, mean = held.in_range_least_m2 / held.ground_m2, held.in_range_mean_m2 / held.ground_m2
+        yield f"Of the area {mean:.1%} is then in range on average, and {least:.1%} at worst."
+    yield charging_table(plan)
 
 
 def covered_sentence(plan: Plan) -> str:

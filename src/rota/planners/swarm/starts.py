@@ -161,13 +161,14 @@ def _on_lattice(mission: Mission, ground: MultiPolygon, reserve_m: float, seed: 
 
 
 def spare_room_m(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m: float) -> float:
-    """How much wider all bodies may be at their starts without touching anything, at most wish_m."""
+    """How much wider all bodies may be at their starts, and at chargers, without touching anything, at most wish_m."""
     bodies = np.array([robot.body_radius_m for robot in mission.fleet.robots or ()])
     pairs = cKDTree(starts_m).query_pairs(2 * (bodies.max() + wish_m), output_type="ndarray")
     a, b = pairs.T
     gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
     walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
-    return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))
+    pads = [shapely.distance(ground.boundary, shapely.Point(charger.at)) - bodies.max() for charger in mission.chargers]
+    return float(max(0.0, min([gaps.min(initial=np.inf) / 2, walls.min(), *pads])))
 
 
 def passable_reserve_m(mission: Mission, ground: MultiPolygon, wish_m: float) -> float:
@@ -193,3 +194,18 @@ def _rooms_for(ground: MultiPolygon, body_m: float, spot_m2: float) -> list[Base
     """Where the middle of a body may be, part by part; no spots that are smaller than so much."""
     room = ground.buffer(-body_m, join_style="mitre") if body_m > 0 else ground
     return [part for part in shapely.get_parts(room) if part.area > spot_m2]
+
+
+def require_short_steps(mission: Mission, sensors_m: Floats, time_step_s: float, wall_range_m: float | None) -> None:
+    """Without the filter a robot beyond the range in which walls count must not reach one in a single step.
+
+    Raises MissionError. sensors_m: (n,) of robots; wall_range_m: None: as far as that.
+    """
+    for robot, sensor_m in zip(mission.fleet.robots or (), sensors_m.tolist(), strict=True):
+        step_m, range_m = robot.ground_speed_m_s * time_step_s, wall_range_m or sensor_m
+        if step_m + robot.body_radius_m > range_m:
+            raise MissionError(
+                f"swarm.time_step_s: {time_step_s:.6g} is not allowed without the filter: robot {robot.name}"
+                f" goes {step_m:.6g} m in a step and heeds walls within {range_m:.6g} m only, so it may jump through"
+                " one; a shorter step or filter: true is needed"
+            )

@@ -164,6 +164,15 @@ class Snapshot(NamedTuple):
     rule: Rule
 
 
+class Guide(NamedTuple):
+    """Where a swarm sends robots that do not decide for themselves; see ``guide_kernels.steer``."""
+
+    targets_m: Floats
+    may_enter: Ints
+    pads_m: Floats
+    keep_m: float
+
+
 class Decisions(NamedTuple):
     """What a step decides, in the order of the grid: (n,) velocities in m/s, and squared distances in square metres.
 

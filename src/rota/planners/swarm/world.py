@@ -71,10 +71,14 @@ def widest_m(kinds: Kinds, time_step_s: float) -> float:
 
 
 def with_absent(kinds: Kinds) -> Kinds:
-    """The kinds, the same kinds without sensor and speed for robots that take no part, and one kind without a body."""
+    """The kinds; the same without sensor and speed for robots that take no part; without sensor for those that are
+
+    sent somewhere; and one kind without a body.
+    """
     still = np.zeros_like(kinds.body_m)
-    parts = {name: np.concatenate([getattr(kinds, name), still, [0.0]]) for name in Kinds._fields}
-    parts["body_m"] = np.concatenate([kinds.body_m, kinds.body_m, [-np.inf]])
+    parts = {name: np.concatenate([values, still, values, [0.0]]) for name, values in kinds._asdict().items()}
+    parts["body_m"] = np.concatenate([kinds.body_m, kinds.body_m, kinds.body_m, [-np.inf]])
+    parts["sensor_m"] = np.concatenate([kinds.sensor_m, still, still, [0.0]])
     return Kinds(**parts)
 
 

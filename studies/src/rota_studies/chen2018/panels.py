@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
 from rota.model.mission import Mission
-from rota.planners.swarm.planner import sensors_of, squares_of
+from rota.planners.swarm.sensing import sensors_of, squares_of
 from rota_studies.chen2018 import paper
 from rota_studies.chen2018.runs import (
     EXACT,

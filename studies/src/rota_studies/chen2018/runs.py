@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission
 from rota.planners.swarm.metrics import History, covered_share
-from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of, squares_of
+from rota.planners.swarm.planner import SwarmRun, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.sensing import sensors_of, squares_of
 from rota_studies import records
 from rota_studies.chen2018 import paper
 from rota_studies.plain import changes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rota.errors import MissionError
 from rota.model.mission import Mission
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import run_robot, scene_for
@@ -11,9 +12,11 @@ from rota.planning.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 
 class SwarmProcesses:
-    """See ``robot_processes.RobotProcesses``."""
+    """See ``robot_processes.RobotProcesses``; MissionError for robots that charge."""
 
     def __init__(self, mission: Mission, settings: ProcessSettings) -> None:
+        if mission.chargers:
+            raise MissionError("chargers: robots in processes of their own do not charge: remove them, and endurance_s")
         self._scene, self._settings = scene_for(mission, settings), settings
 
     def run_robot(self, robot: int, should_stop: Callable[[], bool]) -> int:

@@ -17,8 +17,9 @@ from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.nodes.apart import RADIO_SILENCES, least_radio_m
 from rota.planners.swarm.nodes.hearing import Start
 from rota.planners.swarm.nodes.telling import LONGEST_HOLD_NS, MOST_ROBOTS, swarm_number
-from rota.planners.swarm.planner import DECIDE, fleet_of, rule_of, sensors_of, squares_of
+from rota.planners.swarm.planner import DECIDE, fleet_of, rule_of
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.sensing import sensors_of, squares_of
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Rule
