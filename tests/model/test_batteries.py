@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota import BounceSettings, SwarmSettings
+from rota import BounceSettings
 from rota.errors import MissionError, PlanError
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle
