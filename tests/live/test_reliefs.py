@@ -8,17 +8,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from shapely import box
 from tests.relieved import FLIGHT_S, TURN_S, WAY_S, relieved
 
 from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
+from rota.live.apart import teams_apart
 from rota.live.driving import Driving
 from rota.live.events import Heard, Tick
 from rota.live.keeping import Keeping
 from rota.live.notices import Notice, NoticeKind, RobotState
 from rota.live.reliefs import Reliefs
 from rota.live.watch import Watch
+from rota.model.fleet import Robot
+from rota.model.mission import Charger, Zone
 from rota.model.plan import Plan
 
 EXACT = ("clock=0", "speed_noise=0", "position_noise_m=0", "delay_s=0", "rate_hz=1")
@@ -39,6 +43,10 @@ class Flown:
 
     def at(self, robot: str, time_s: float) -> tuple[float, float]:
         return next((x, y) for at_s, x, y in self.places[robot] if at_s >= time_s)
+
+
+def in_time(_: str) -> float:
+    return 0.0
 
 
 def fly(plan: Plan, until_s: float, *given: str) -> Flown:
@@ -100,6 +108,68 @@ def test_a_robot_holds_its_post_until_its_relief_comes() -> None:
     assert flown.times_of("lands", "robot-3")[-1] == pytest.approx(comes_s + WAY_S * 2 - 2, abs=4.0)
 
 
+def two_teams(apart_m: float = 100.0) -> Plan:
+    """The relay, and another one beside it with a pad of its own and batteries that fill twice as fast."""
+    plan, far = relieved(3), Charger(name="far", at=(apart_m, 0), places=3)
+    fleet = plan.mission.fleet
+    quick = replace(fleet.battery, recharge_s=100)
+    robots = [Robot(name=f"robot-{k}", battery=fleet.battery) for k in (1, 2, 3)]
+    others = [
+        replace(
+            way,
+            robot=f"other-{k}",
+            positions_m=way.positions_m + np.array([apart_m, 0]),
+            charges=tuple(replace(stay, charger="far") for stay in way.charges),
+        )
+        for k, way in enumerate(plan, start=1)
+    ]
+    mission = replace(
+        plan.mission,
+        area=box(-5, -5, apart_m + 40, 30),
+        chargers=(plan.mission.chargers[0], far),
+        fleet=replace(fleet, robots=[*robots, *(Robot(name=way.robot, battery=quick) for way in others)]),
+    )
+    return replace(plan, mission=mission, trajectories=(*plan.trajectories, *others))
+
+
+def test_robots_of_other_loops_do_not_wait() -> None:
+    flown = fly(two_teams(), 1100.0, "slower_charging=0.87")
+    (late_s,), (comes_s,) = flown.times_of("relief late", "robot-1"), flown.times_of("relief comes", "robot-1")
+    assert comes_s - late_s > 60
+    held = [flown.at("robot-3", time_s) for time_s in np.linspace(late_s + 3, comes_s - 1, 20)]
+    assert np.ptp(np.array(held), axis=0).max() < 0.3
+    others = [flown.at("other-3", time_s) for time_s in np.linspace(late_s + 3, comes_s - 1, 20)]
+    assert np.ptp(np.array(others), axis=0).max() >= 9
+    assert flown.times_of("takes off", "other-1")[-1] == pytest.approx(6 * TURN_S, abs=8.0)
+    assert flown.times_of("takes off", "robot-1")[-1] == pytest.approx(comes_s, abs=8.0)
+
+
+def test_teams_are_apart_where_nothing_depends_on_how_they_follow_each_other() -> None:
+    plan = two_teams()
+    first, other = [f"robot-{k}" for k in (1, 2, 3)], [f"other-{k}" for k in (1, 2, 3)]
+
+    def teams(of: Plan) -> set[frozenset[str]]:
+        numbers = teams_apart(of)
+        return {frozenset(name for name in numbers if numbers[name] == number) for number in numbers.values()}
+
+    assert teams(plan) == {frozenset(first), frozenset(other)}
+    together = {frozenset([*first, *other])}
+    # a pad with fewer places than robots; bodies; ground that both see, and neither in time alone
+    pads = tuple(replace(pad, places=5, name="pad") for pad in plan.mission.chargers[:1])
+    shared = tuple(
+        replace(way, charges=tuple(replace(stay, charger="pad") for stay in way.charges)) for way in plan.trajectories
+    )
+    assert teams(replace(plan, mission=replace(plan.mission, chargers=pads), trajectories=shared)) == together
+    fleet = plan.mission.fleet
+    wide = replace(fleet, robots=[replace(robot, body_radius_m=0.2) for robot in fleet.robots or ()])
+    assert teams(replace(plan, mission=replace(plan.mission, fleet=wide))) == together
+    # from (50, 10) a robot is out of reach for 20 m of its square and 12 m on either side: for 43 s of 80
+    middle, near = Zone(name="middle", shape=box(49, 9, 51, 11), period_s=50), two_teams(apart_m=60.0)
+    for period_s, expected in ((50, {frozenset(first), frozenset(other)}), (40, together)):
+        zones = (replace(middle, period_s=period_s),)
+        assert teams(replace(near, mission=replace(near.mission, zones=zones))) == expected
+
+
 def test_it_leaves_at_its_reserve_which_is_told() -> None:
     flown = fly(relieved(3), 1100.0, "slower_charging=0.94")
     (late_s,), (leaves_s,) = flown.times_of("relief late", "robot-1"), flown.times_of("does not wait", "robot-3")
@@ -131,9 +201,9 @@ def state(name: str, place_m: tuple[float, float], lag_s: float, battery: float 
 def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
     reliefs = Reliefs(relieved(3))
     pad, post = state("robot-2", (0.0, 0.0), 0.0, None), state("robot-1", (10.0, 10.0), -5.0, None)
-    conduct, told = reliefs.look(TURN_S - 1, (pad, post), 0.0)
+    conduct, told = reliefs.look(TURN_S - 1, (pad, post), in_time)
     assert not conduct.docks["robot-2"].leaves
-    conduct, more = reliefs.look(TURN_S, (pad, post), 0.0)
+    conduct, more = reliefs.look(TURN_S, (pad, post), in_time)
     assert conduct.docks["robot-2"].leaves
     assert conduct.hurried == {"robot-1"}
     assert [notice.text for notice in (*told, *more)] == ["robot-1 does not wait any longer: its battery is not known"]
@@ -141,8 +211,8 @@ def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
 
 def test_who_has_to_take_off_is_told_before_its_time() -> None:
     reliefs, pad = Reliefs(relieved(3), lead_s=15.0), state("robot-2", (0.0, 0.0), 0.0, 1.0)
-    assert not reliefs.look(TURN_S - 16, (pad,), 0.0)[0].docks["robot-2"].leaves
-    conduct, _ = reliefs.look(TURN_S - 14, (pad,), 0.0)
+    assert not reliefs.look(TURN_S - 16, (pad,), in_time)[0].docks["robot-2"].leaves
+    conduct, _ = reliefs.look(TURN_S - 14, (pad,), in_time)
     assert (conduct.docks["robot-2"].leaves, conduct.docks["robot-2"].plan_s) == (True, TURN_S)
 
 

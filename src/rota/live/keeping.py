@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rota.links.link import Mode, Order
+from rota.live.apart import teams_apart
 from rota.live.notices import Notice, NoticeKind, RobotState, names_in_words
 from rota.live.reliefs import Conduct, Reliefs
 from rota.model.plan import Plan
@@ -53,11 +54,18 @@ class Keeping:
         self._expected_s: Mapping[str, float] = NOTHING
         self._now_s: float | None = None
         self.rate = self._most_rate
-        self.behind_s, self._holds = 0.0, False
+        self.behind_s = 0.0
+        self._team = teams_apart(plan)
+        self._held_s = dict.fromkeys(self._team.values(), 0.0)
+        self._holding = frozenset[int]()
 
     def late_s(self, robot: RobotState) -> float:
-        """How many seconds a robot is behind the clock of all, less what is expected where it is; below 0: ahead."""
-        return robot.lag_s - self.behind_s - self._expected_s.get(robot.name, 0.0)
+        """How many seconds a robot is behind its team's clock, less what is expected where it is; below 0: ahead."""
+        return robot.lag_s - self.behind_of_s(robot.name) - self._expected_s.get(robot.name, 0.0)
+
+    def behind_of_s(self, name: str) -> float:
+        """How far a robot's clock is behind the plan's: the clock of all, and what its team alone has waited."""
+        return self.behind_s + self._held_s[self._team[name]]
 
     def look(
         self,
@@ -74,10 +82,12 @@ class Keeping:
         self._expected_s = expected_s
         if self._now_s is not None:
             self.behind_s += (1 - self.rate) * (now_s - self._now_s)
+            for team in self._holding:
+                self._held_s[team] += self.rate * (now_s - self._now_s)
         self._now_s = now_s
-        self.conduct, told = self._reliefs.look(now_s, robots, self.behind_s)
-        waited = bool(self.conduct.late)
-        drives = {robot.name: self._drives(robot) for robot in robots}
+        self.conduct, told = self._reliefs.look(now_s, robots, self.behind_of_s)
+        held_before, self._holding = self._holding, frozenset(self._team[name] for name in self.conduct.late)
+        drives = {robot.name: self._drives(robot, held_before) for robot in robots}
         on_route = [self.late_s(robot) - room_s.get(robot.name, 0.0) for robot in robots if drives[robot.name]]
         if on_route and min(on_route) > LATE_S:
             # nobody is nearer to the clock: it is they that keep it
@@ -85,25 +95,25 @@ class Keeping:
         orders, rates = [], [self._most_rate]
         for robot in robots:
             track = self._tracks[robot.name]
-            if waited or not drives[robot.name]:
+            held = self._team[robot.name] in self._holding
+            if held or not drives[robot.name]:
                 track.forget()  # what it loses now is not its own
             if not drives[robot.name]:
                 continue
             late_s, own_s = self.late_s(robot), room_s.get(robot.name, 0.0)
-            track.note(now_s, late_s + self.behind_s - own_s)
+            track.note(now_s, late_s + self.behind_of_s(robot.name) - own_s)
             orders.append((robot.name, late_s))
             pace, late_s = track.pace(), late_s - own_s
             track.judge(late_s)
             if pace is not None and pace >= LEAST_RATE * self._most_rate:
                 rates.append(1 - max(0.0, 1 - pace) * track.waited_share(late_s))
             told += self._standing(now_s, robot.name, track, late_s, pace)
-        self._holds = waited
-        self.rate = 0.0 if waited else max(min(LEAST_RATE, self._most_rate), min(rates))
+        self.rate = 0.0 if self._holding == self._held_s.keys() else max(min(LEAST_RATE, self._most_rate), min(rates))
         docked = [
             Order(
                 robot=name,
-                late_s=now_s - self.behind_s - dock.plan_s,
-                behind_s=self.behind_s,
+                late_s=now_s - self.behind_of_s(name) - dock.plan_s,
+                behind_s=self.behind_of_s(name),
                 rate=self._most_rate,
                 dock=dock,
             )
@@ -111,17 +121,20 @@ class Keeping:
         ]
         return [*docked, *(self._order(name, late_s) for name, late_s in orders)], told
 
-    def _drives(self, robot: RobotState) -> bool:
+    def _drives(self, robot: RobotState, held_before: frozenset[int]) -> bool:
         """Whether it is on its route, in the air; one that was told to hold where it is looks as if it were held up."""
-        on = robot.standing == "ok" or (self._holds and robot.standing == "held up")
+        held = self._team[robot.name] in held_before
+        on = robot.standing == "ok" or (held and robot.standing == "held up")
         return on and robot.mode in DRIVING and robot.place_m is not None and robot.name not in self.conduct.docks
 
     def _order(self, name: str, late_s: float) -> Order:
+        behind_s = self.behind_of_s(name)
         if name in self.conduct.hurried:
-            return Order(robot=name, late_s=max(late_s, 0.0), behind_s=self.behind_s, rate=self._most_rate)
+            return Order(robot=name, late_s=max(late_s, 0.0), behind_s=behind_s, rate=self._most_rate)
         # one that is late drives as fast as it can: its pace tells how slowly all have to go
-        rate = self.rate if late_s < EARLY_SHARE * LATE_S else self._most_rate
-        return Order(robot=name, late_s=late_s, behind_s=self.behind_s, rate=rate)
+        rate = 0.0 if self._team[name] in self._holding else self.rate
+        rate = rate if late_s < EARLY_SHARE * LATE_S else self._most_rate
+        return Order(robot=name, late_s=late_s, behind_s=behind_s, rate=rate)
 
     def _standing(self, now_s: float, name: str, track: _Track, late_s: float, pace: float | None) -> list[Notice]:
         """That a robot cannot keep up, once, with what that leads to; and that it can again."""

@@ -1,13 +1,14 @@
 """Reliefs while robots fly: who stays on its charger, who leaves it, and who holds its post until it is relieved.
 
 A robot leaves its charger when the clock of all says so, if its battery holds what its next flight takes by plan and
-the reserve. Until it does it is a late relief: the clock of all stands still, and robots in the air with it, so that
-each holds its post. Who has no more left than its way to its charger takes, with a little to spare, goes on by plan.
+the reserve. Until it does it is a late relief: the clock of its team stands still, and its robots in the air hold their
+posts. Who has no more left than its way to its charger takes, with a little to spare, goes on by plan.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -94,13 +95,16 @@ class Reliefs:
                 self._flyers[way.robot] = _Flyer(way, robot, charging_legs(way, robot, self._chargers))
         self._told: list[Notice] = []
 
-    def look(self, now_s: float, robots: tuple[RobotState, ...], behind_s: float) -> tuple[Conduct, list[Notice]]:
-        """What robots that charge are to do at ``now_s``, where the clock of all is ``behind_s`` behind the plan's."""
+    def look(
+        self, now_s: float, robots: tuple[RobotState, ...], behind_of_s: Callable[[str], float]
+    ) -> tuple[Conduct, list[Notice]]:
+        """What robots that charge are to do at ``now_s``; behind_of_s: how far a robot's clock is behind the plan's."""
         made, hurried, late = Conduct(), set[str](), list[str]()
         for robot in robots:
             flyer = self._flyers.get(robot.name)
             if flyer is None or robot.standing == "lost" or robot.place_m is None or robot.mode not in FLYING_MODES:
                 continue
+            behind_s = behind_of_s(robot.name)
             self._come_and_go(now_s, flyer, robot)
             if flyer.stay is None:
                 if self._hurries(now_s, flyer, robot, behind_s):
