@@ -58,9 +58,9 @@ def test_as_many_places_do_as_robots_charge_on_average(count: int, share: float,
 
 
 def test_the_least_round_of_robots_that_take_turns_at_places() -> None:
-    """n robots, p places, a swap of w, ways of a and b between two: a place is free again after p T / n."""
+    """n robots, p places, a swap of w and b between two: a place is free again after p T / n, w + b at least."""
     allowed = Allowed(in_s=10.0, out_s=0.0, between_s=5.0, spread_s=0.0)
-    least_s = 6 / 2 * (60 + 10 + 5)
+    least_s = 6 / 2 * (60 + 5)
     turns_in(least_s + 1e-6, needs(6, 1e6, stays_s=60), 2, allowed)
     with pytest.raises(NoPlanFound, match="2 places cannot suffice for 6 robots, 3 would do"):
         turns_in(least_s - 1e-3, needs(6, 1e6, stays_s=60), 2, allowed)

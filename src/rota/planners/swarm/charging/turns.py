@@ -4,8 +4,8 @@ Robots leave one after the other, every s seconds, and take the places at charge
 T = n s, after which the first one leaves again. A robot charges for r T of it where its battery fills as it drives:
 r = R / (E + R), with the endurance E and R from empty to full. Where batteries are swapped it stays for a time w. A
 battery that may use U lasts from one charge to the next where T - (r T + w) <= U, so T <= U / (1 - r) + w. A place is
-taken again after p s where p places are in use: they suffice where p s is no less than the charge, the way to it, and
-what lies between two robots at one place. All repeats after the least common multiple of n and p turns.
+taken again after p s where p places are in use: they suffice where p s is no less than the charge and what lies between
+two robots at one place. All repeats after the least common multiple of n and p turns.
 
 All are at their places where that ends: the last turn lasts so long that robots come to them.
 """
@@ -148,8 +148,8 @@ def turns_in(round_s: float, needs: Needs, total: int, allowed: Allowed) -> Turn
     if n > 1 and every_s < quiet_s:
         every_s = (round_s - quiet_s) / (n - 1)
     charge_s = needs.charge_s(round_s)
-    taken_s = charge_s + allowed.in_s + allowed.between_s
-    if every_s <= 0 or taken_s + allowed.out_s > round_s:
+    taken_s = charge_s + allowed.between_s  # who comes sooner than its place is free waits beside it
+    if every_s <= 0 or taken_s + quiet_s > round_s:
         raise NoPlanFound(
             f"fleet.endurance_s: batteries that last for {needs.usable_s.min():.0f} s are too short for {n} robot"
             f"{'s' if n != 1 else ''}: they have spread after {allowed.spread_s:.0f} s, ways to chargers and back take"
