@@ -34,7 +34,8 @@ PATROL_STAGES = [
     ["shortening"],
     ["methods"],
     ["route_graph", "relief"],
-    ["handover", "kinds"],
+    ["circuits"],
+    ["handover", "kinds", "charging"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

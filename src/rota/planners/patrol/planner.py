@@ -15,6 +15,7 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.charging import plan_that_charges
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -32,7 +33,6 @@ from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.relief.plan_with_relief import plan_with_relief
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.route_graph.plan_on_graph import plan_on_lanes
 from rota.planners.patrol.shortening.search import with_better_loops
@@ -91,11 +91,10 @@ def plan_alike(
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     if mission.chargers:
-        search = partial(
-            plan_alike, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            executor=executor,
+        return plan_that_charges(
+            mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+            search=partial(plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor),
         )  # fmt: skip
-        return plan_with_relief(mission, seed=seed, judge=judge, search=search)
     if mission.lanes:
         return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     tight = with_reserve(mission)

@@ -62,15 +62,6 @@ def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:
     assert check_plan(plan).verdict == "met"
 
 
-def test_a_loop_longer_than_a_battery_is_shared_out_in_parts() -> None:
-    far = dataclasses.replace(CORRIDOR, area=MultiPolygon([box(0, 0, 600, 10)]), period_s=120.0)
-    far = dataclasses.replace(far, chargers=(Charger(name="pad", at=(300, 5), places=20),))
-    plan = make_plan(with_battery(far, endurance_s=90, recharge_s=90))
-    assert check_plan(plan).verdict == "met"
-    # a round takes some 117 s; a flight lasts 90 s at most, of which up to 2 x 29 s are ways
-    assert 3 <= len(plan) <= 8
-
-
 def test_robots_with_bodies_relieve_each_other_without_touching() -> None:
     yard = dataclasses.replace(
         YARD,

@@ -154,7 +154,8 @@ def _from_place(corners_m: Floats, place_m: Floats) -> Floats:
 def is_clear(places_m: Floats, ground: MultiPolygon, body_m: float) -> bool:
     """Whether a body can be led along a line (n, 2) on free ground."""
     line = line_of(places_m)
-    return bool(ground.covers(line) and ground.boundary.distance(line) >= body_m - TOUCH_M)
+    roomy = ground.buffer(TOUCH_M)  # ways past corners are off them by rounding
+    return bool(roomy.covers(line) and ground.boundary.distance(line) >= body_m - TOUCH_M)
 
 
 def lead_round(line: TimedLine, robot: Robot, paths: ShortestPaths) -> TimedLine | None:

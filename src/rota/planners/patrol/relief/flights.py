@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at
 from rota.planners.patrol.relief.slots import Handovers, Slot
@@ -27,12 +28,11 @@ def trajectories_of(
     """The trajectories of a rotation's robots, which have these names; each repeats from time 0 on."""
     jobs = [_job_line(job, slots[job.shift.slot], handovers[job.shift.slot], paths) for job in rotation.jobs]
     charger = rotation.cycle.charger
-    charger_m = np.array(charger.at)
+    turn_s = rotation.cycle.turn_s
     return [
-        _robot(name, charger.name, charger_m, [(begins_s + k * rotation.cycle.turn_s, line) for begins_s, line in jobs],
-               rotation.lasts_s)
+        robot_of_jobs(name, charger, [(begins_s + k * turn_s, line) for begins_s, line in jobs], rotation.lasts_s)
         for k, name in enumerate(names)
-    ]  # fmt: skip
+    ]
 
 
 def _job_line(job: Job, slot: Slot, own: Handovers, paths: ShortestPaths) -> tuple[float, TimedLine]:
@@ -78,10 +78,8 @@ def _shares(line_m: Floats) -> Floats:
     return along_m / along_m[-1] if along_m[-1] > 0 else np.linspace(0.0, 1.0, len(line_m))
 
 
-def _robot(
-    name: str, charger: str, charger_m: Floats, jobs: Sequence[tuple[float, TimedLine]], lasts_s: float
-) -> Trajectory:
-    """A robot that does these jobs again and again, on its charger between them.
+def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, TimedLine]], lasts_s: float) -> Trajectory:
+    """A robot that takes off for these jobs at their times, again and again after ``lasts_s``, and charges between.
 
     It begins with what it does at time 0, in the middle of a job as may be.
     """
@@ -92,13 +90,15 @@ def _robot(
     if abs(first_s) <= SAME_TIME_S:
         jobs, first_s = [(begins_s - first_s, line) for begins_s, line in jobs], 0.0
     times_s = np.concatenate([*(begins_s + line.times_s for begins_s, line in jobs), [first_s + lasts_s]])
-    places_m = np.vstack([*(line.places_m for _, line in jobs), charger_m])
+    places_m = np.vstack([*(line.places_m for _, line in jobs), np.array(charger.at)])
     ends = np.cumsum([len(line.times_s) for _, line in jobs])
     docked = np.zeros(len(times_s) - 1, np.bool_)
     docked[ends - 1] = True  # from a job's last row to the next one's first
     if times_s[0] > 0:
         times_s, places_m, docked = _from_zero(times_s, places_m, docked, lasts_s)
-    charges = [Charge(charger=charger, from_s=float(times_s[a]), until_s=float(times_s[b])) for a, b in _runs(docked)]
+    charges = [
+        Charge(charger=charger.name, from_s=float(times_s[a]), until_s=float(times_s[b])) for a, b in _runs(docked)
+    ]
     return Trajectory(robot=name, times_s=times_s, positions_m=places_m, charges=tuple(charges))
 
 

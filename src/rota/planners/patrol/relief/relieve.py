@@ -1,9 +1,9 @@
-"""Plans of robots that charge: loops as if batteries lasted for ever, then robots that take turns at them."""
+"""Loops that were planned as if batteries lasted for ever, and robots that charge and take turns at them."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -14,10 +14,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.bounds.best_bound import prove_bound
-from rota.planners.patrol.bounds.charging_bound import charging_bound, charging_of
-from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
-from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
@@ -62,24 +59,6 @@ def clearance_of(mission: Mission) -> float:
     """By how many seconds robots pass one place after each other when one relieves the other; 0 without bodies."""
     robot = mission.fleet.equal_robot("robot-1")
     return BODIES_APART * robot.body_radius_m / robot.ground_speed_m_s
-
-
-def plan_with_relief(mission: Mission, *, seed: int, judge: Judge, search: Callable[[Mission], Plan]) -> Plan:
-    """A plan whose robots charge: what ``search`` finds for ``endless(mission)``, with robots that take turns at loops.
-
-    Raises NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and as
-    ``relieve`` does.
-    """
-    require_reach(mission)
-    problem = set_up_problem(without_batteries(mission))
-    bound = charging_bound(problem, mission)
-    loops = search(endless(mission))
-    always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
-    if clearance_of(mission) > 0:  # the search proved it for shorter periods than are asked
-        always = prove_bound(problem)
-    best = max_of([always, bound])
-    proved = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
-    return relieve(proved, mission, seed=seed, judge=judge)
 
 
 def require_reach(mission: Mission) -> None:

@@ -1,0 +1,83 @@
+"""Plans of robots that charge: those that take turns at loops, or fly circuits where that takes fewer robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from typing import Protocol
+
+from rota.errors import NoPlanFound
+from rota.model.mission import Mission
+from rota.model.plan import Plan
+from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.charging_bound import charging_bound, charging_of
+from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
+from rota.planners.patrol.circuits.ground import least_on_circuits
+from rota.planners.patrol.circuits.plan_with_circuits import plan_with_circuits
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.methods.fewest.search import share_of_progress
+from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
+from rota.planners.patrol.verdict import Judge
+from rota.planning.progress import Watch
+
+LOOPS_FOUND = 0.4  # of the time; loops for circuits, which are as short as can be, take longer
+MOST_ROBOTS = 10_000  # on circuits, where turns at loops are no plan
+
+
+class Search(Protocol):
+    """How a mission without batteries is planned."""
+
+    def __call__(self, mission: Mission, *, progress: Callable[[float, str], None], watch: Watch | None) -> Plan:
+        """The plan; NoPlanFound where there is none."""
+
+
+def plan_that_charges(
+    mission: Mission, *, seed: int, judge: Judge, progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool], watch: Watch | None, search: Search,
+) -> Plan:  # fmt: skip
+    """The plan with the fewest robots that charge: ``relieve``, and ``plan_with_circuits`` where that may take fewer.
+
+    Raises NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and where
+    neither finds one.
+    """
+    require_reach(mission)
+    problem = set_up_problem(without_batteries(mission))
+    bound = charging_bound(problem, mission)
+    loops = search(endless(mission), progress=share_of_progress(progress, 0.0, LOOPS_FOUND), watch=watch)
+    always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
+    if clearance_of(mission) > 0:  # the search proved it for shorter periods than are asked
+        always = prove_bound(problem)
+    best = max_of([always, bound])
+    loops = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
+    relieved: Plan | NoPlanFound
+    try:
+        relieved = relieve(loops, mission, seed=seed, judge=judge)
+    except NoPlanFound as failure:
+        relieved = failure
+    most = _most_on_circuits(mission, relieved, best.robots)
+    if most > 0 and not should_stop():
+        told = share_of_progress(progress, LOOPS_FOUND, 1.0)
+
+        def search_part(part: Mission, /, *, begin: float, end: float) -> Plan:
+            """A loop for one robot; nobody watches it, as it is no plan for the mission."""
+            return search(part, progress=share_of_progress(told, begin, end), watch=None)
+
+        with suppress(NoPlanFound):
+            found = plan_with_circuits(mission, most=most, seed=seed, judge=judge, search=search_part)
+            return replace(loops, mission=mission, trajectories=found.trajectories)
+    if isinstance(relieved, NoPlanFound):
+        raise relieved
+    return relieved
+
+
+def _most_on_circuits(mission: Mission, relieved: Plan | NoPlanFound, bound: int) -> int:
+    """How many robots on circuits would be better than turns at loops; 0 where they can hardly be so few."""
+    named = mission.fleet.robots
+    if isinstance(relieved, Plan):
+        most = len(relieved) - 1 if named is None else 0
+    else:
+        most = MOST_ROBOTS if named is None else len(named)
+    least = least_on_circuits(mission, charging_of(mission).per_s)
+    return most if most >= max(bound, math.ceil(least)) else 0

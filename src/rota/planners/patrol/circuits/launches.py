@@ -1,0 +1,197 @@
+"""When circuits are launched, and which robot flies which: robots queue at their charger, and the first one goes.
+
+In each turn every circuit is launched several times, evenly. A robot that lands goes to the end of the queue. Who lands
+for which launch in a turn goes next for another one, always the same: so launches follow each other in rings, and the
+robots of a ring fly its launches one after the other, each a turn after the robot before it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import NoPlanFound
+from rota.model.battery_limits import BatteryLimits
+from rota.planners.patrol.circuits.ground import Circuit
+from rota.planners.patrol.relief.shifts import charging_s
+from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SHORTEST_S
+
+Floats = NDArray[np.float64]
+
+MOST_LAUNCHES = 60  # in a turn
+MOST_PERIODS = 12  # of some circuit, in a turn
+MOST_PHASES = 24  # that are tried for a number of robots and a turn
+MOST_TURNS = 6  # lengths of turns for which phases are tried
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Turn:
+    """A turn of so many seconds, in which each circuit is launched so often (circuits,); what that takes of robots."""
+
+    lasts_s: float
+    counts: NDArray[np.int64]
+    robots: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Launch:
+    """A robot begins a circuit, by its number, at a time."""
+
+    circuit: int
+    begins_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ring:
+    """Launches that the same robots fly one after the other, a turn apart; they begin anew after ``robots`` turns."""
+
+    launches: tuple[Launch, ...]
+    robots: int
+    turn_s: float
+
+    @property
+    def lasts_s(self) -> float:
+        """After how long each robot begins anew."""
+        return self.robots * self.turn_s
+
+
+def turns_of(circuits: Sequence[Circuit], battery: BatteryLimits) -> list[Turn]:
+    """The lengths of turns that take the fewest robots, and then the fewest launches."""
+    most_s = np.array([circuit.most_s for circuit in circuits])
+    used_s = np.array([circuit.used_s for circuit in circuits])
+    lasts_s = np.array([circuit.line.duration_s for circuit in circuits])
+    busy_s = lasts_s + (charging_s(battery, circuits[0].charger, used_s) if battery.recharge_s is not None else 0.0)
+    found = {}
+    for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_PERIODS + 1)]):
+        counts = np.maximum(1, np.ceil(turn_s / most_s * (1 - SAME_ROUND))).astype(np.int64)
+        if counts.sum() <= max(MOST_LAUNCHES, len(circuits)):
+            robots = float((counts * busy_s).sum() / turn_s)
+            found[float(turn_s)] = Turn(lasts_s=float(turn_s), counts=counts, robots=robots)
+    return sorted(found.values(), key=lambda turn: (math.ceil(turn.robots - ROUNDING), turn.counts.sum()))[:MOST_TURNS]
+
+
+def fewest_rings(
+    circuits: Sequence[Circuit], battery: BatteryLimits, *, least: int, most: int, seed: int
+) -> list[Ring]:
+    """The rings of the circuits of one charger with the fewest robots from ``least`` to ``most``; NoPlanFound: none."""
+    chance = np.random.default_rng(seed)
+    turns = turns_of(circuits, battery)
+    for robots in range(max(least, 1), most + 1):
+        for turn in turns:
+            if turn.robots > robots + ROUNDING:
+                continue
+            for number in range(MOST_PHASES):
+                spread = np.arange(len(circuits)) / len(circuits)
+                phases = chance.random(len(circuits)) if number or seed else spread
+                rings = _Queue(circuits, turn, phases, robots).rings(battery)
+                if rings is not None:
+                    return rings
+    raise NoPlanFound(f"circuits from charger {circuits[0].charger.name!r} take more than {most} robots")
+
+
+class _Queue:
+    """The launches of a turn at their times, and who goes next for which."""
+
+    def __init__(self, circuits: Sequence[Circuit], turn: Turn, phases: Floats, robots: int) -> None:
+        self._circuits, self._turn_s, self._robots = circuits, turn.lasts_s, robots
+        number = np.repeat(np.arange(len(circuits)), turn.counts)
+        each = np.concatenate([np.arange(count) for count in turn.counts])
+        begins_s = np.mod((each + phases[number]) * (turn.lasts_s / turn.counts[number]), turn.lasts_s)
+        order = np.argsort(begins_s, kind="stable")
+        self._number, self._begins_s = number[order], begins_s[order] - begins_s[order][0]
+        lasts_s = np.array([circuit.line.duration_s for circuit in circuits])[self._number]
+        self._ends_s = self._begins_s + lasts_s
+
+    def rings(self, battery: BatteryLimits) -> list[Ring] | None:
+        """The rings; None where somebody lands too late, or would be driven below the reserve."""
+        after = self._with_fewer_rings(self._first_come())
+        if after is None:
+            return None
+        found = [self._ring(own, after) for own in _rings_of(np.mod(after, len(after)))]
+        return found if all(self._keeps_reserve(ring, battery) for ring in found) else None
+
+    def _first_come(self) -> NDArray[np.int64] | None:
+        """Of each launch, the number of the launch that its robot flies next, counted on over turns; None: too late."""
+        count, turn_s = len(self._begins_s), self._turn_s
+        turns_later = (
+            np.ceil((self._ends_s - SAME_TIME_S) / turn_s).astype(np.int64) - 1
+        )  # landed in this turn or later
+        lands_s = self._ends_s - turns_later * turn_s  # above 0, at most a turn
+        waiting = self._robots - int(turns_later.sum())
+        if waiting < 0:
+            return None
+        rank = np.empty(count, np.int64)
+        rank[np.argsort(lands_s, kind="stable")] = np.arange(count)
+        after: NDArray[np.int64] = waiting + rank + turns_later * count
+        return after if (self._at_s(after) >= self._ends_s + SHORTEST_S).all() else None
+
+    def _at_s(self, numbers: NDArray[np.int64]) -> Floats:
+        """When the launches of these numbers, counted on over turns, begin."""
+        count = len(self._begins_s)
+        found: Floats = self._begins_s[numbers % count] + numbers // count * self._turn_s
+        return found
+
+    def _with_fewer_rings(self, after: NDArray[np.int64] | None) -> NDArray[np.int64] | None:
+        """The same with as few rings as can be: of two robots that wait at one time, either may go first."""
+        if after is None:
+            return None
+        after, count = after.copy(), len(after)
+        for number in range(count):
+            one, other = (int(np.flatnonzero(after % count == k % count)[0]) for k in (number, number + 1))
+            ring = next(ring for ring in _rings_of(after % count) if one in ring)
+            if other not in ring and self._at_s(after[[other]] - 1)[0] >= self._ends_s[other] + SHORTEST_S:
+                after[one] += 1
+                after[other] -= 1
+        return after
+
+    def _ring(self, own: Sequence[int], after: NDArray[np.int64]) -> Ring:
+        """The ring of these launches, in their order."""
+        count, at = len(after), own[0]
+        launches = []
+        for k in own:
+            begins_s = float(self._at_s(np.array([at]))[0])
+            launches.append(Launch(circuit=int(self._number[k]), begins_s=begins_s))
+            at += int(after[k]) - k
+        return Ring(launches=tuple(launches), robots=(at - own[0]) // count, turn_s=self._turn_s)
+
+    def _keeps_reserve(self, ring: Ring, battery: BatteryLimits) -> bool:
+        """Whether batteries that are full at first never fall below the reserve."""
+        full_s = battery.endurance_s or math.inf
+        level_s, begun_s = full_s, []
+        charger = self._circuits[0].charger
+        stays_s = _stays_s(ring, self._circuits)
+        for _ in range(3):
+            begun_s.append(level_s)
+            for launch, stay_s in zip(ring.launches, stays_s, strict=True):
+                level_s -= self._circuits[launch.circuit].used_s
+                if level_s < battery.reserve_s:
+                    return False
+                if charger.swap_s is not None:
+                    level_s = full_s if stay_s >= charger.swap_s * (1 - SAME_ROUND) else level_s
+                else:
+                    level_s = min(full_s, level_s + stay_s * full_s / (battery.recharge_s or math.inf))
+        return begun_s[2] >= begun_s[1] - ROUNDING
+
+
+def _stays_s(ring: Ring, circuits: Sequence[Circuit]) -> list[float]:
+    """How long robots stay on the charger after each launch of a ring."""
+    ends_s = [launch.begins_s + circuits[launch.circuit].line.duration_s for launch in ring.launches]
+    nexts_s = [*(launch.begins_s for launch in ring.launches[1:]), ring.launches[0].begins_s + ring.lasts_s]
+    return [next_s - end_s for next_s, end_s in zip(nexts_s, ends_s, strict=True)]
+
+
+def _rings_of(after: NDArray[np.int64]) -> Iterator[list[int]]:
+    """The rings of a permutation, each from its least number on."""
+    left = np.ones(len(after), np.bool_)
+    for first in range(len(after)):
+        ring, at = [], first
+        while left[at]:
+            left[at] = False
+            ring.append(at)
+            at = int(after[at])
+        if ring:
+            yield ring
