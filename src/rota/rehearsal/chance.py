@@ -39,6 +39,7 @@ def chance_of(scene: Scene, wind: Wind, seed: int, number: int) -> Chance:
     waits_s = np.full(robots, np.inf)
     if not asked.hands_off:
         waits_s[round_shares(scene.plan, wind) * LEAST_RATE <= 1] = LATE_S
+        waits_s[scene.relieves_nobody] = np.inf
     return Chance(slowness, gust, fails_s, late_s, waits_s)
 
 

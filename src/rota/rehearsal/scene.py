@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -25,6 +26,8 @@ from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import Pair, pairs_near
 from rota.rehearsal.drive_kernels import Batteries
 from rota.rehearsal.kernels import Asked
+from rota.routes.flights import has_flights
+from rota.routes.who_relieves import robots_that_relieve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -69,6 +72,12 @@ class Scene:
     def charges(self) -> bool:
         """Whether any robot charges, or has a battery that runs down."""
         return any(way.charges for way in self.plan) or bool(np.isfinite(self.batteries.endurance_s).any())
+
+    @cached_property
+    def relieves_nobody(self) -> NDArray[np.bool_]:
+        """Which robots (k,) charge and come to loops that nobody holds for them: when they are late nobody waits."""
+        relieve = robots_that_relieve(self.plan)
+        return np.array([has_flights(way) and way.robot not in relieve for way in self.plan])
 
     def most_charges(self, way: Trajectory) -> int:
         """How often a robot is at a charger in a run at most."""

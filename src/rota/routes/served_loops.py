@@ -33,10 +33,14 @@ class ServedLoop:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Service:
-    """The loops that flights serve. serves: (flights,) which loop; ways_m: the ways to loops and back, each once."""
+    """The loops that flights serve. serves: (flights,) which loop; ways_m: the ways to loops and back, each once.
+
+    spans_s: (flights, 2), seconds after taking off at which each comes to its loop and leaves it.
+    """
 
     loops: tuple[ServedLoop, ...]
     serves: tuple[int, ...]
+    spans_s: Floats
     ways_m: tuple[Floats, ...]
 
 
@@ -79,7 +83,8 @@ def service_of(flights: Sequence[Flight]) -> Service:
         )
         for number, (members, line_m, round_s) in enumerate(rounds)
     )
-    return Service(loops=loops, serves=serves, ways_m=_ways(kinds, cuts))
+    spans_s = np.array([kinds[kind].times_s[list(cuts[kind])] for kind in kind_of]).reshape(-1, 2)
+    return Service(loops=loops, serves=serves, spans_s=spans_s, ways_m=_ways(kinds, cuts))
 
 
 def loop_letter(number: int) -> str:
