@@ -52,7 +52,8 @@ def outcome_of(name: str, *, confine: bool) -> str:
 
 def require_same(mission: Mission) -> None:
     """Raise AssertionError where the mission is another one once it has been written to a plan file and read."""
-    names = [robot.name for robot in mission.fleet.robots or ()][:1] or ["robot-1"]
+    kinds = [f"{kind.name}-1" for kind in mission.fleet.kinds]
+    names = [*(robot.name for robot in mission.fleet.robots or ()), *kinds, "robot-1"][:1]
     place = mission.area.representative_point()
     standing = tuple(Trajectory(robot=name, times_s=[0.0], positions_m=[[place.x, place.y]]) for name in names)
     plan = Plan(mission=mission, trajectories=standing)
