@@ -106,8 +106,15 @@ def test_launches_are_in_time_and_robots_are_charged_for_them(seed: int) -> None
 
 
 def test_too_many_robots_are_refused() -> None:
-    with pytest.raises(NoPlanFound, match="circuits from charger 'pad' take more than 2 robots"):
+    with pytest.raises(NoPlanFound, match="circuits from charger 'pad' are flown by no team of 1 to 2 robots"):
         fewest_rings([circuit(60, 20)], BatteryLimits(endurance_s=90, recharge_s=90), least=1, most=2, seed=0)
+
+
+def test_a_reserve_that_no_flight_leaves_is_refused_soon() -> None:
+    with pytest.raises(NoPlanFound, match="are flown by no team of 1 to 10000 robots"):
+        fewest_rings(
+            [circuit(60, 20)], BatteryLimits(endurance_s=90, recharge_s=90, reserve_s=40), least=1, most=10_000, seed=0
+        )
 
 
 def test_a_loop_longer_than_a_battery_is_two_circuits_by_as_many_robots_as_charging_takes() -> None:

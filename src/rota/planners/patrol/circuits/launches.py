@@ -80,7 +80,7 @@ def fewest_rings(
     """The rings of the circuits of one charger with the fewest robots from ``least`` to ``most``; NoPlanFound: none."""
     chance = np.random.default_rng(seed)
     turns = turns_of(circuits, battery)
-    for robots in range(max(least, 1), most + 1):
+    for robots in range(max(least, 1), min(most, max(least, _surely_enough(circuits, battery))) + 1):
         for turn in turns:
             if turn.robots > robots + ROUNDING:
                 continue
@@ -90,7 +90,17 @@ def fewest_rings(
                 rings = _Queue(circuits, turn, phases, robots).rings(battery)
                 if rings is not None:
                     return rings
-    raise NoPlanFound(f"circuits from charger {circuits[0].charger.name!r} take more than {most} robots")
+    charger = circuits[0].charger
+    raise NoPlanFound(f"circuits from charger {charger.name!r} are flown by no team of {least} to {most} robots")
+
+
+def _surely_enough(circuits: Sequence[Circuit], battery: BatteryLimits) -> int:
+    """Robots that do where those of each circuit charge in full after each flight, and a phase to spare for each."""
+    charger, robots = circuits[0].charger, 0
+    for circuit in circuits:
+        charges_s = float(charging_s(battery, charger, np.array([circuit.used_s]))[0])
+        robots += math.ceil((circuit.line.duration_s + charges_s) / circuit.most_s) + 1
+    return robots
 
 
 class _Queue:
