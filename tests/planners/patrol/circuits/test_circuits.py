@@ -13,7 +13,7 @@ from shapely import MultiPolygon, box
 from rota import PatrolSettings, check_plan, make_plan
 from rota.errors import NoPlanFound
 from rota.model.battery_limits import BatteryLimits
-from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Sensor, SquareSensor, Zone
 from rota.planners.patrol.circuits.ground import Circuit, Ground, cut_at_chargers, grounds_of, without_seen
 from rota.planners.patrol.circuits.launches import Ring, fewest_rings
 from rota.planners.patrol.driving.timed_line import steady
@@ -138,9 +138,11 @@ def test_a_named_fleet_flies_circuits_with_all_of_its_robots() -> None:
     assert check_plan(plan).verdict == "met"
 
 
-def test_what_circuits_see_on_their_way_is_left_out_and_nothing_else() -> None:
+@pytest.mark.parametrize("sensor", [DiscSensor(radius_m=10), SquareSensor(side_m=20)])
+def test_what_circuits_see_on_their_way_is_left_out_and_nothing_else(sensor: Sensor) -> None:
     field = dataclasses.replace(
         CORRIDOR,
+        fleet=dataclasses.replace(CORRIDOR.fleet, sensor=sensor),
         area=MultiPolygon([box(0, 0, 200, 200)]),
         period_s=300,
         zones=(Zone(name="urgent", shape=MultiPolygon([box(80, 80, 120, 120)]), period_s=60),),

@@ -22,7 +22,7 @@ from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_wal
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.limits import LONGEST_S
-from rota.model.mission import AREA, Charger, Mission, Zone
+from rota.model.mission import AREA, Charger, Mission, Zone, inner_reach_m
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
@@ -115,7 +115,7 @@ def with_places_beside(line_m: Floats, chargers_m: Floats) -> Floats:
 def without_seen(ground: Ground, circuits: Sequence[Circuit], mission: Mission) -> Ground:
     """The ground without what circuits of shorter periods see on their way; ground that is left has smooth borders."""
     robot = strongest_robot(mission.fleet)
-    reach_m = with_reserve(mission).fleet.equal_robot("robot-1").sensor.reach_m
+    reach_m = inner_reach_m(with_reserve(mission).fleet.equal_robot("robot-1").sensor)
     walls, views = sight_walls(mission), []
     for circuit in circuits:
         lasts_s, each_s = circuit.line.duration_s, VIEW_EVERY * reach_m / robot.ground_speed_m_s
