@@ -101,6 +101,24 @@ def test_shapes_are_changed_moved_and_deleted_by_mouse(page: Any) -> None:
     assert document(page)["area"] == shifted
 
 
+def test_a_shape_is_dragged_on_while_the_server_answers(page: Any) -> None:
+    asked: list[Any] = []
+    page.route("**/api/validate?*", lambda route: asked.append(route), times=2)  # empty mission, then square
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    before = document(page)["area"]
+    box = page.locator("#map").bounding_box()
+    x, y = box["x"] + SQUARE[2][0], box["y"] + SQUARE[2][1]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y - 20)
+    asked[-1].continue_()
+    assert judged(page) != ""
+    page.mouse.move(x + 60, y - 40)
+    page.mouse.up()
+    assert changed_area(page, before)[2][0] > before[2][0]
+
+
 def test_drawing_can_be_given_up_and_corners_taken_back(page: Any) -> None:
     new_mission(page)
     tool(page, "Area", "Polygon")

@@ -15,12 +15,30 @@ export class ShapeLayers extends EventTarget {
     this.moving = false;
     this.holds = new Set(); // why shapes only look on
     this.hidden = false;
+    this.pressed = false; // whether a button or finger is down on the map
+    this.waits = false; // whether there is something to draw once it is up
     this.shown = { frame: null, shapes: [], chosen: null, faulty: new Set(), ground: null, document: {} };
+    map.getContainer().addEventListener("pointerdown", () => (this.pressed = true), { capture: true });
+    for (const end of ["pointerup", "pointercancel"]) {
+      // Leaflet hears of the end by the events that follow this one
+      window.addEventListener(end, () => setTimeout(() => this.released()));
+    }
   }
 
-  /** Draws everything anew. */
+  released() {
+    this.pressed = false;
+    if (this.waits) {
+      this.draw({});
+    }
+  }
+
+  /** Draws everything anew; under a hand that drags or clicks, once it is done: a layer that is taken away loses both. */
   draw(shown) {
     this.shown = { ...this.shown, ...shown };
+    this.waits = this.pressed;
+    if (this.pressed) {
+      return;
+    }
     const { document, frame, chosen, ground } = this.shown;
     this.shown.shapes = shapesOf(document);
     this.group.clearLayers();
