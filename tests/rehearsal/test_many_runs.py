@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.rehearsal.rehearsed_plans import crossing, post, round_a_block
+from tests.rehearsal.rehearsed_plans import crossing, post, round_a_block, taking_turns
+from tests.replanning.relays import relay
 
 import rota
 from rota.engines.processes import LocalProcesses
@@ -107,3 +109,21 @@ def test_a_plan_of_nobody_is_refused() -> None:
     plan = rota.Plan(mission=post().mission, trajectories=())
     with pytest.raises(rota.RotaError, match="the plan has no robots; there is nothing to rehearse"):
         rota.rehearse(plan)
+
+
+def test_who_waits_for_whom_is_told_as_it_is() -> None:
+    plan = taking_turns()
+    alone = replace(plan, trajectories=plan.trajectories[:1])  # nobody holds the road for it
+    spare = relay(spare=True)  # who stays on its charger can be late for nobody
+    told = []
+    for one, hands_off in ((plan, False), (plan, True), (alone, False), (spare, False)):
+        made = rota.rehearse(one, hours=0.2, speed_noise=0.05, runs=1, hands_off=hands_off)
+        told.append((made.relieve_nobody, rehearsal_table(made).splitlines()[0].split(", ")[-1]))
+    assert told == [
+        (0, "all wait for who is late"),
+        (0, "nobody keeps them in phase"),
+        (1, "nobody waits for who is late: no robot relieves another"),
+        (0, "all wait for who is late"),
+    ]
+    some = rehearsal_table(replace(made, relieve_nobody=2)).splitlines()[0]
+    assert some.endswith(", all wait for who is late but for 2 robots that relieve nobody")

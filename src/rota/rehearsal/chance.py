@@ -18,8 +18,8 @@ MOST_SIGMAS = 3.0
 LATE_RELIEFS = 1  # the stream of chance for them, beside that of everything else
 
 
-def chance_of(scene: Scene, wind: Wind, seed: int, number: int) -> Chance:
-    """What happens to all robots in the run of this number."""
+def chance_of(scene: Scene, wind: Wind, seed: int, number: int, left: int = 0) -> Chance:
+    """What happens to all robots in the run of this number; left: how often one has left a charger before."""
     asked, robots = scene.conditions, len(scene.plan.trajectories)
     gust = max(1, round(GUST_S / scene.tick_s))
     chances = [np.random.default_rng([seed, number, 1 + robot]) for robot in range(robots)]
@@ -34,7 +34,7 @@ def chance_of(scene: Scene, wind: Wind, seed: int, number: int) -> Chance:
     late_s = np.zeros((robots, 1))
     if asked.late_relief_s:
         streams = [np.random.default_rng([seed, number, 1 + robot, LATE_RELIEFS]) for robot in range(robots)]
-        most = max(1, *(scene.most_charges(way) for way in scene.plan))
+        most = left + max(1, *(scene.most_charges(way) for way in scene.plan))
         late_s = asked.late_relief_s * np.array([stream.standard_exponential(most) for stream in streams])
     waits_s = np.full(robots, np.inf)
     if not asked.hands_off:

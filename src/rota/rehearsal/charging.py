@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from rota.rehearsal.scene import Scene
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+ROWS = ("stays_s", "stays", "noted", "stay")  # of what is told of batteries, all that is told of stays
 HELD_S = 1.0  # so long a charger may have too many robots: by less one that leaves may be behind the clock of all
 
 
@@ -101,6 +102,42 @@ def full_batteries(scene: Scene) -> Fills:
         stays=np.empty((most, 2), np.int64), noted=np.zeros(1, np.int64), left=np.zeros(count, np.int64),
         hurries_s=zeros(), hurries_at_s=zeros(),
     )  # fmt: skip
+
+
+def copy_of(fills: Fills) -> Fills:
+    """The same, which can be changed."""
+    copies: dict[str, Any] = {name: each.copy() for name, each in fills._asdict().items()}
+    return Fills(**copies)
+
+
+def each_at_its_own(fills: Sequence[Fills]) -> Fills:
+    """How the battery of robot k is by fills[k], and all its stays until then."""
+    robots = range(len(fills))
+    rows = [np.flatnonzero(own.stays[: own.noted[0], 0] == k) for k, own in enumerate(fills)]
+    firsts = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
+    joined = {
+        name: np.array([getattr(fills[k], name)[k] for k in robots]) for name in Fills._fields if name not in ROWS
+    }
+    joined["stay"] = np.array([firsts[k + 1] - 1 if fills[k].stay[k] >= 0 else -1 for k in robots])
+    return Fills(
+        stays_s=np.concatenate([fills[k].stays_s[rows[k]] for k in robots]),
+        stays=np.concatenate([fills[k].stays[rows[k]] for k in robots]),
+        noted=firsts[-1:].copy(),
+        **joined,
+    )
+
+
+def go_on_with(fills: Fills, scene: Scene) -> Fills:
+    """The same batteries where robots go over to another plan, that of the scene, at its beginning."""
+    if not scene.charges:
+        return full_batteries(scene)
+    most = sum(scene.most_charges(way) for way in scene.plan)
+    return fills._replace(
+        leg=scene.batteries.firsts[:-1].copy(),
+        turned_s=np.zeros(len(fills.leg)),
+        stays_s=np.concatenate([fills.stays_s, np.empty((most, 2))]),
+        stays=np.concatenate([fills.stays, np.empty((most, 2), np.int64)]),
+    )
 
 
 def charging_of(scene: Scene, driven: Driven, fills: Fills) -> Charging:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.engines.placing import answer_of, submit_with
+from rota.engines.workers import workers
 from rota.errors import MissionError
 from rota.model.plan import Plan
 from rota.model.refusals import require
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 Batch = tuple[list[Run], Floats]
 
 BATCH = 4  # runs done by one worker, one after another: sums over runs are then the same for any number of workers
+IN_PROCESSES = 5  # batches from which on robots are replanned in processes, which take seconds to begin, not threads
 LATE_S = 1e-6  # by which a place may be later than its period and on time
 
 
@@ -78,6 +80,10 @@ def _batches(
 ) -> list[Batch]:
     """What became of all runs, in their order."""
     firsts = range(0, runs, BATCH)
+    asked = scene.conditions
+    if executor is None and asked.replan and asked.failures_per_hour and len(firsts) >= IN_PROCESSES:
+        with workers(None) as executor:
+            return _batches(scene, seed, runs, executor, progress)
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         futures: list[Future[Batch]] = []
         for first in firsts:
@@ -118,6 +124,7 @@ def _outcome(scene: Scene, seed: int, batches: Sequence[Batch]) -> Rehearsal:
         seed=seed,
         runs=len(runs),
         robots=len(scene.plan.trajectories),
+        relieve_nobody=int(scene.relieves_nobody.sum()),
         available=mean_over_runs((weights @ available.mean(axis=2)).tolist(), 0.0, 1.0),
         failed=mean_over_runs([float(run.failed) for run in runs], 0.0),
         demands=tuple(_demand(scene, k, runs, available[k].mean(axis=1)) for k in range(len(scene.demands))),

@@ -54,6 +54,7 @@ class ContactOutcome:
 class Rehearsal:
     """What became of a plan in many runs.
 
+    relieve_nobody: robots that charge for which nobody holds a post, nor waits when they are late, by the plan.
     available: over all that is asked, by area; a zone to visit counts as all of its ground. failed: how many robots of
     a run did. contacts: None where no two ways come so near each other that bodies can touch. charging: batteries and
     chargers, None where there are none. takeovers: how many plans took over in a run, None where none were asked for;
@@ -68,6 +69,7 @@ class Rehearsal:
     seed: int
     runs: int
     robots: int
+    relieve_nobody: int
     available: Estimate
     failed: Estimate
     demands: tuple[DemandOutcome, ...]
@@ -98,6 +100,7 @@ def rehearsal_to_json(made: Rehearsal) -> dict[str, Any]:
         "seed": made.seed,
         "runs": made.runs,
         "robots": made.robots,
+        "relieve_nobody": made.relieve_nobody,
         "conditions": asdict(made.conditions),
         "places": len(made.places_m),
         "available": made.available._asdict(),

@@ -30,7 +30,7 @@ def draw_rehearsal(plan: Plan, made: Rehearsal, path: str | Path | None = None) 
 
     visits = np.array([each.demand == "visit" for each in made.demands])[made.places_demand]
     runs = "1 run" if made.runs == 1 else f"{made.runs} runs"
-    told = " · ".join(conditions_text(made.conditions).split(", "))
+    told = " · ".join(conditions_text(made).split(", "))
     availability = Availability(
         header=f"{runs} of {made.conditions.hours:g} h · {told}",
         points_m=made.places_m[~visits],

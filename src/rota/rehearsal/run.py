@@ -58,7 +58,7 @@ def rehearse_once(scene: Scene, seed: int, number: int) -> tuple[Run, Floats, Fl
             for stage in stages
             for contact in contacts_of(stage.scene.plan, stage.scene.pairs, stage.driven, stage.until_s)
         ),
-        charging=charging_of(scene, driven, stages[0].fills) if scene.charges else None,
+        charging=charging_of(scene, driven, stages[-1].fills) if scene.charges else None,
         takeovers=len(stages) - 1,
         refusal=refusal,
     )

@@ -75,9 +75,10 @@ class Scene:
 
     @cached_property
     def relieves_nobody(self) -> NDArray[np.bool_]:
-        """Which robots (k,) charge and come to loops that nobody holds for them: when they are late nobody waits."""
+        """Which robots (k,) leave chargers for loops that nobody holds for them: when they are late nobody waits."""
         relieve = robots_that_relieve(self.plan)
-        return np.array([has_flights(way) and way.robot not in relieve for way in self.plan])
+        flying = [has_flights(way) and way.loop_duration_s > 0 for way in self.plan]
+        return np.array([flies and way.robot not in relieve for flies, way in zip(flying, self.plan, strict=True)])
 
     def most_charges(self, way: Trajectory) -> int:
         """How often a robot is at a charger in a run at most."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.estimates import Estimate
 from rota.rehearsal.outcome import DemandOutcome, Rehearsal
 from rota.rehearsal.stages import TAKES_OVER_S
@@ -17,7 +16,7 @@ HEAD = ("demand", "period s", "places", "available %", "worst late s", "runs on 
 
 def rehearsal_table(made: Rehearsal) -> str:
     """The rehearsal as plain text: the conditions, the share of what is asked, one row per demand, what was worst."""
-    lines = [f"{_runs_text(made)}: {conditions_text(made.conditions)}"]
+    lines = [f"{_runs_text(made)}: {conditions_text(made)}"]
     lines.append(f"available: {percent_text(made.available)} % of all that is asked, in area and time")
     if made.conditions.failures_per_hour:
         lines.append(f"robots that fail: {number_text(made.failed, 2)} in a run")
@@ -84,9 +83,9 @@ def _charging_lines(made: Rehearsal) -> list[str]:
     return lines
 
 
-def conditions_text(asked: Conditions) -> str:
-    """What may go wrong, in words."""
-    told = []
+def conditions_text(made: Rehearsal) -> str:
+    """What may go wrong, and who waits for whom, in words."""
+    asked, told = made.conditions, []
     if asked.failures_per_hour:
         told.append(f"each robot fails {asked.failures_per_hour:g} times an hour")
     if asked.speed_noise:
@@ -98,8 +97,18 @@ def conditions_text(asked: Conditions) -> str:
         told.append(f"reliefs are late by {asked.late_relief_s:g} s in the mean")
     if asked.replan:
         told.append("those that remain are replanned")
-    kept = "nobody keeps them in phase" if asked.hands_off else "all wait for who is late"
+    kept = "nobody keeps them in phase" if asked.hands_off else _waiting_text(made)
     return ", ".join([*told, kept] if told else ["all goes by plan"])
+
+
+def _waiting_text(made: Rehearsal) -> str:
+    """Who waits for whom."""
+    if made.relieve_nobody == made.robots:
+        return "nobody waits for who is late: no robot relieves another"
+    some = {0: "", 1: " but for 1 robot that relieves nobody"}
+    return "all wait for who is late" + some.get(
+        made.relieve_nobody, f" but for {made.relieve_nobody} robots that relieve nobody"
+    )
 
 
 def percent_text(share: Estimate) -> str:
