@@ -12,7 +12,7 @@ from shapely import MultiPolygon, difference, distance, intersection, points, un
 
 from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
-from rota.model.mission import AREA, Demand, Mission
+from rota.model.mission import AREA, Demand, Mission, Obstacle, Zone
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,6 @@ class DemandedGround:
     sensors: tuple[str, ...] = ()
 
 
-@functools.lru_cache(maxsize=4)
 def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
     """The demands of a mission: the zones in their order, then the rest of the area, which is called "area".
 
@@ -40,8 +39,16 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
     regions lie in the area and outside of what blocks sight or asks nothing; a region may be empty. A visit
     zone's region is the part of the zone in the area.
     """
-    ground_in_sight = open_ground(mission)
-    strict = [z for z in mission.zones if z.demand == "every_point" and z.period_s is not None]
+    return _demands_of(mission.area, mission.obstacles, mission.zones, mission.period_s)
+
+
+@functools.lru_cache(maxsize=4)
+def _demands_of(
+    area: MultiPolygon, obstacles: tuple[Obstacle, ...], zones: tuple[Zone, ...], period_s: float | None
+) -> tuple[DemandedGround, ...]:
+    """The same for missions that differ in their robots only, as those do for robots that remain of a fleet."""
+    ground_in_sight = _open_ground(area, obstacles)
+    strict = [z for z in zones if z.demand == "every_point" and z.period_s is not None]
     regions: dict[str, Any] = {}
     taken: Any = MultiPolygon()
     for zone in sorted(strict, key=lambda zone: zone.period_s or 0.0):
@@ -49,27 +56,32 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
         regions[zone.name] = _polygonal(difference(ground, taken))
         taken = union_all([taken, zone.shape])
     demands = []
-    for zone in mission.zones:
+    for zone in zones:
         if zone.period_s is not None:
             region = regions.get(zone.name)
-            region = _polygonal(intersection(zone.shape, mission.area)) if region is None else region
+            region = _polygonal(intersection(zone.shape, area)) if region is None else region
             demands.append(
                 DemandedGround(
                     name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region, sensors=zone.sensors
                 )
             )
-    if mission.period_s is not None:
-        rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in mission.zones])))
+    if period_s is not None:
+        rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in zones])))
         if not rest.is_empty or not demands:
-            demands.append(DemandedGround(name=AREA, period_s=mission.period_s, demand="every_point", region=rest))
+            demands.append(DemandedGround(name=AREA, period_s=period_s, demand="every_point", region=rest))
     return tuple(demands)
 
 
-@functools.lru_cache(maxsize=4)
 def open_ground(mission: Mission) -> Any:
     """The area without what blocks sight and without obstacles that ask nothing: all that can be demanded."""
-    ground = difference(mission.area, blocks_sight(mission.obstacles))
-    left_out = [obstacle.shape for obstacle in mission.obstacles if obstacle.asks == "nothing"]
+    return _open_ground(mission.area, mission.obstacles)
+
+
+@functools.lru_cache(maxsize=4)
+def _open_ground(area: MultiPolygon, obstacles: tuple[Obstacle, ...]) -> Any:
+    """The same, made anew."""
+    ground = difference(area, blocks_sight(obstacles))
+    left_out = [obstacle.shape for obstacle in obstacles if obstacle.asks == "nothing"]
     return difference(ground, union_all(left_out)) if left_out else ground
 
 

@@ -18,8 +18,8 @@ from rota.check.pieces import point_pieces, quarter
 from rota.check.presence import seeing_routes
 from rota.check.revisits import SeamSights, Sights, late_points, loop_gap, piece_gaps, sights_along, sights_of
 from rota.check.routes import HOLD, LOOP, Routes, routes_driven, routes_of, sensors_of
-from rota.check.seeable import seeable_ground
-from rota.check.tiled_ground import tiles_of
+from rota.check.seeable import SeeableGround, seeable_ground
+from rota.check.tiled_ground import Tiles, tiles_of
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import NO_LENGTH, PERIOD_TOLERANCE, slack_of
 from rota.model.mission import DiscSensor, Mission
@@ -73,7 +73,8 @@ def _sample_loops(plan: Plan, most_points: int) -> tuple[tuple[ForEver, ...], di
             never = not math.isfinite(gap_s)
             unseen_m2, gap_s = (demand.region.area, 0.0) if never else (0.0, gap_s)
         else:
-            own, areas_m2 = _some_points(mission, reach_m, k, most_points, demand.sensors)
+            ground = seeable_ground(mission, demand.sensors)
+            own, areas_m2 = _some_points(tiles_of(mission, reach_m), ground, k, most_points)
             gaps_s = piece_gaps(sights, point_pieces(own), np.full(len(own), demand.period_s)).gaps_s
             ever = np.isfinite(gaps_s)
             points[k] = own[ever], areas_m2[ever]
@@ -83,18 +84,17 @@ def _sample_loops(plan: Plan, most_points: int) -> tuple[tuple[ForEver, ...], di
 
 
 @functools.lru_cache(maxsize=32)
-def _some_points(mission: Mission, reach_m: float, k: int, most_points: int, names: Names) -> tuple[Floats, Floats]:
-    """Middles (n, 2) of tiles of a demand that one of these sensors can see, and the ground (n,) each stands for.
+def _some_points(tiles: Tiles, ground: SeeableGround, k: int, most_points: int) -> tuple[Floats, Floats]:
+    """Middles (n, 2) of tiles of a demand that can be seen, and the ground (n,) each stands for.
 
     The plans of a search are compared at the same ones.
     """
-    pieces, owners = tiles_of(mission, reach_m)
-    own = np.flatnonzero(owners == k)
+    pieces, own = tiles.pieces, np.flatnonzero(tiles.owners == k)
     if not len(own):
         return np.empty((0, 2)), np.empty(0)
     chosen = own[np.unique(np.linspace(0, len(own) - 1, most_points).astype(np.int64))]
     points = pieces.choose(chosen).centres_m()
-    seeable = seeable_ground(mission, names).sees(point_pieces(points))
+    seeable = ground.sees(point_pieces(points))
     share_m2 = pieces.choose(own).areas_m2().sum() / max(1, np.count_nonzero(seeable))
     return points[seeable], np.full(np.count_nonzero(seeable), share_m2)
 
@@ -185,8 +185,8 @@ def sample_demand(sights: Sights, plan: Plan, k: int, demand: DemandedGround) ->
     """What the middles of all tiles say of a demand, or the visits to it."""
     if demand.demand == "visit":
         return _sample_of_visits(sights, plan, demand)
-    pieces, owners = tiles_of(plan.mission, float(sights.team.reaches_m.min(initial=math.inf)))
-    own = pieces.choose(owners == k)
+    tiles = tiles_of(plan.mission, float(sights.team.reaches_m.min(initial=math.inf)))
+    own = tiles.pieces.choose(tiles.owners == k)
     while len(own) < ENOUGH:
         finer, _ = quarter(own, np.full((len(own), 3), np.nan), 2 * sights.slack_m)
         if len(finer) <= len(own):

@@ -201,6 +201,8 @@ def _in_parts(
 ) -> tuple[Any, ...]:
     """The arrays (n,) that a kernel gives for n pieces, each thread looking at a part of them."""
     threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
+    if threads == 1:
+        return kernel(*_arguments(sights, pieces, limits_s))
     cuts = np.array_split(np.arange(len(pieces)), threads)
     arguments = [_arguments(sights, pieces.choose(cut), limits_s[cut]) for cut in cuts]
     with ThreadPoolExecutor(max_workers=threads) as pool:

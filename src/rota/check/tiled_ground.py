@@ -6,6 +6,7 @@ import functools
 import math
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -43,7 +44,7 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
         return
     sensors = [area.sensor for area in standing_areas(mission)]
     reach_m = min(sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2 for sensor in sensors)
-    _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    _ = _tiles_of(mission, _tile_m(mission, reach_m, finest_m))
     seeable_ground(mission).get_ready()
 
 
@@ -78,7 +79,8 @@ def tile_and_refine(
     the others say nothing.
     """
     reach_m = float(sights.team.reaches_m.min(initial=math.inf))
-    pieces, owners, size = _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    tiles = _tiles_of(mission, _tile_m(mission, reach_m, finest_m))
+    pieces, owners, size = tiles.pieces, tiles.owners, tiles.size_m
     unfilled = _unfilled_demands(mission, demands, pieces, owners)
     if names is not None:
         asked = np.flatnonzero(np.array([demand.sensors == names for demand in demands])[owners])
@@ -112,9 +114,18 @@ def tile_and_refine(
     return findings
 
 
-def tiles_of(mission: Mission, reach_m: float) -> tuple[Pieces, Ints]:
-    """The tiles of all demands that ask for every point, and the index of each one's demand; reach_m: the shortest."""
-    return _tiles(mission, _tile_m(mission, reach_m, FINEST_M))[:2]
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tiles:
+    """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
+
+    pieces: Pieces
+    owners: Ints
+    size_m: float
+
+
+def tiles_of(mission: Mission, reach_m: float) -> Tiles:
+    """The tiles of all demands that ask for every point, the same object for the same ground; reach_m: the shortest."""
+    return _tiles_of(mission, _tile_m(mission, reach_m, FINEST_M))
 
 
 def _unfilled_demands(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
@@ -138,10 +149,14 @@ def _tile_m(mission: Mission, reach_m: float, finest_m: float) -> float:
     return max(reach_m / 4 if math.isfinite(reach_m) else mission.fleet.sensor.reach_m / 4, finest_m)
 
 
+def _tiles_of(mission: Mission, size_m: float) -> Tiles:
+    """The tiles of that size."""
+    return _tiles(demands_of(mission), slack_of(mission), size_m)
+
+
 @functools.lru_cache(maxsize=2)
-def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
-    """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
-    demands = demands_of(mission)
+def _tiles(demands: tuple[DemandedGround, ...], slack_m: float, size_m: float) -> Tiles:
+    """The same, made anew."""
     regions = [demand.region for demand in demands if demand.demand == "every_point"]
     # a long strip has few cells for its area and many for its border
     most_m = (
@@ -153,6 +168,6 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     owners: list[Ints] = [np.empty(0, np.int64)]
     for k, demand in enumerate(demands):
         if demand.demand == "every_point":
-            tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
+            tiles.append(convex_pieces(demand.region, size, 2 * slack_m))
             owners.append(np.full(len(tiles[-1]), k, np.int64))
-    return join(tiles), np.concatenate(owners), size
+    return Tiles(pieces=join(tiles), owners=np.concatenate(owners), size_m=size)
