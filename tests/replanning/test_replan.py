@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 from benchmarks.time_sampling import Sampled, lattice
+from tests.replanning.relays import relay
 from tests.replanning.rings import ROUND_S, ring_mission, ring_plan
 from tests.short_searches import short_searches as short_searches
 
@@ -18,6 +19,7 @@ from rota import (
     Fleet,
     Mission,
     MissionError,
+    NoPlanFound,
     Obstacle,
     PatrolSettings,
     Plan,
@@ -29,6 +31,7 @@ from rota import (
     replan,
 )
 from rota.model.mission import Lane
+from rota.replanning.replan import first_plan
 
 PAIR = ring_plan(30, {"a": 0.0, "b": 20.0})
 
@@ -294,3 +297,24 @@ def test_who_goes_on_was_driven_until_the_change() -> None:
         replace(found.plan.seam, driven=driven)
     with pytest.raises(rota.PlanError, match=r"times_s ends at 1\.0"):
         replace(driven[0], times_s=driven[0].times_s + 2)
+
+
+@pytest.mark.parametrize("plan", [PAIR, relay(spare=True)])
+@pytest.mark.parametrize("lost", ["a", "b"])
+def test_the_first_plan_alone_is_the_first_that_replanning_tells(plan: Plan, lost: str) -> None:
+    change = {"at_s": 53.0, "lost": [lost], "late": {"b" if lost == "a" else "a": 2.0}}
+    assert first_plan(plan, **change) == first_answer(plan, **change).plan
+
+
+def test_the_first_plan_alone_is_one_that_can_be_driven(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the check finds wrong with how robots drive it rules out, and where that is all, tells why."""
+    wrong = check_plan(replace(PAIR, trajectories=(replace(PAIR["a"], times_s=PAIR["a"].times_s / 2),)))
+    (found,) = [one for one in wrong.violations if one.kind == "speed"][:1]
+    looked: list[Plan] = []
+    monkeypatch.setattr(
+        "rota.check.violations_on_the_way", lambda plan: looked.append(plan) or [found] * (len(looked) < 3)
+    )
+    assert first_plan(PAIR, at_s=53.0, lost=["a"]) is looked[2]
+    monkeypatch.setattr("rota.check.violations_on_the_way", lambda plan: [found])
+    with pytest.raises(NoPlanFound, match=r"no plan takes over at t = 53 s: a: speed"):
+        first_plan(PAIR, at_s=53.0, lost=["a"])

@@ -7,7 +7,8 @@ import pytest
 from tests.relieved import FLIGHT_S, ROUND_S, TURN_S, WAY_S, relieved
 
 from rota import DiscSensor, Trajectory
-from rota.model.plan import Driven
+from rota.model.plan import Charge, Driven
+from rota.routes.flights import on_charger
 from rota.routes.moments import delay, flight_after, go_on, way_before
 
 LOOPS = Trajectory(
@@ -47,6 +48,16 @@ def test_a_late_robot_is_where_it_was_so_much_sooner() -> None:
     moments = np.linspace(0, 40, 301)
     assert np.abs(late.at(moments) - LOOPS.at(np.maximum(moments - 2.5, 0))).max() < 1e-9
     assert delay(LOOPS, 0) is LOOPS
+
+
+def test_a_delay_leaves_stays_in_the_loop_that_begin_with_it() -> None:
+    """It charges from 0 to 5 of each round of 20 s: 2.5 s late, it does so 2.5 s later in every round."""
+    stay = Charge(charger="pad", from_s=0.0, until_s=5.0)
+    way = Trajectory(robot="a", times_s=[0, 5, 12, 20], positions_m=[(0, 0), (0, 0), (7, 0), (0, 0)], charges=(stay,))
+    late, moments_s = delay(way, 2.5), np.arange(0.25, 70, 0.5)
+    assert (on_charger(late, moments_s + 2.5) == on_charger(way, moments_s)).all()
+    assert on_charger(late, np.array([0.5, 2.0])).all()
+    assert (on_charger(go_on(late, 25.0), moments_s) == on_charger(way, moments_s + 22.5)).all()
 
 
 def test_a_flight_after_a_moment_ends_on_the_charger() -> None:

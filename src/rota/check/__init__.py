@@ -31,6 +31,7 @@ __all__ = [
     "report_to_json",
     "sample_lateness",
     "sample_loops",
+    "violations_on_the_way",
     "worst_gaps_s",
 ]
 
@@ -47,6 +48,13 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01, on_the_way: Callable[[], N
 
     mention_compiling(*compiled_packages(plan.mission))
     return judge(plan, finest_m=finest_m, on_the_way=on_the_way)
+
+
+def violations_on_the_way(plan: Plan) -> list[Violation]:
+    """What ``check_plan`` finds wrong with how robots drive, whatever they see from there: a part of its verdict."""
+    from rota.check.judge import violations_on_the_way as found
+
+    return found(plan)
 
 
 def sample_lateness(plan: Plan, most_points: int = 400) -> LateSample:

@@ -77,7 +77,7 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
     mission = plan.mission
     demands = demands_of(mission)
     with ThreadPoolExecutor(max_workers=1) as pool:
-        driven = pool.submit(_violations_on_the_way, plan)
+        driven = pool.submit(violations_on_the_way, plan)
         sights_by = functools.cache(lambda names: sights_of(counting_robots(plan, names), mission.area.bounds))
         findings = findings_by_group(mission, demands, sights_by, finest_m, on_the_way)
     excluded_violation = too_much_excluded(mission, demands, findings)
@@ -230,7 +230,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
     verdicts.firsts_s.append(min(times, default=math.inf))
 
 
-def _violations_on_the_way(plan: Plan) -> list[Violation]:
+def violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += _late_violations(plan) + lane_violations(plan) + seam_violations(plan)

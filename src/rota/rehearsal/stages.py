@@ -19,7 +19,7 @@ from rota.rehearsal.drive_kernels import Fills
 from rota.rehearsal.kernels import Driven
 from rota.rehearsal.least_times import least_times_s
 from rota.rehearsal.scene import Scene, scene_with
-from rota.replanning.replan import replan
+from rota.replanning.replan import first_plan
 from rota.vehicles.motion import Wind
 
 Floats = NDArray[np.float64]
@@ -136,7 +136,7 @@ def _plan_for_those_left(
     left = [robot for robot in range(len(names)) if robot not in lost]
     first = int(ticks[left].max())
     full_s = scene.batteries.endurance_s.tolist()
-    return replan(
+    return first_plan(
         plan,
         at_s=first * scene.tick_s,
         lost=[names[robot] for robot in sorted(fresh)],
@@ -146,8 +146,7 @@ def _plan_for_those_left(
             for robot in left
             if math.isfinite(full_s[robot])
         },
-        should_stop=lambda: True,
-    ).plan
+    )
 
 
 def _next_takeover(driven: Driven, clocks_s: Floats, lost: frozenset[int]) -> tuple[int, frozenset[int]] | None:

@@ -92,6 +92,26 @@ def replan(
     return search.outcome(stop.stopped)
 
 
+def first_plan(
+    plan: Plan,
+    *,
+    at_s: float,
+    lost: Iterable[str] = (),
+    late: Mapping[str, float] | None = None,
+    battery: Mapping[str, float] | None = None,
+    seed: int = 0,
+) -> Plan:
+    """The first plan that ``replan`` finds, in half the time: it is checked how robots drive, not what they see.
+
+    Raises what ``replan`` does.
+    """
+    change = Change(at_s=at_s, lost=tuple(lost), joined={}, late=dict(late or {}), battery=dict(battery or {}))
+    situation = situation_after(plan, change)
+    search = _FirstSearch(situation, seed, StopRule(None, None), None)
+    search.try_rounds(situation.loops, SHARINGS, situation.team)
+    return search.first()
+
+
 class _Search:
     """The best plan so far, and what may be better."""
 
@@ -209,3 +229,26 @@ class _Search:
 
         changed = sum(line != self._situation.going_on.get(line.robot) for line in plan)
         return self._order.of_sample(sample_lateness(plan, POINTS), changed)
+
+
+class _FirstSearch(_Search):
+    """A search that ends with the first plan that can be driven."""
+
+    _first: Plan | None = None
+
+    @property
+    def is_done(self) -> bool:
+        return self._first is not None
+
+    def first(self) -> Plan:
+        """The plan; NoPlanFound where there is none."""
+        return self.outcome(stopped=False).plan if self._first is None else self._first
+
+    def _try(self, plan: Plan) -> bool:
+        from rota.check import violations_on_the_way
+
+        if wrong := violations_on_the_way(plan):
+            self._why = wrong[0].text()
+            return False
+        self._first = plan
+        return True

@@ -24,10 +24,9 @@ def delay(trajectory: Trajectory, by_s: float) -> Trajectory:
     if by_s == 0:
         return trajectory
     changes = trajectory.accelerations_m_s2
-    charges = [
-        replace(one, from_s=one.from_s + by_s if one.from_s else 0.0, until_s=one.until_s + by_s)
-        for one in trajectory.charges
-    ]
+    charges = [replace(one, from_s=one.from_s + by_s, until_s=one.until_s + by_s) for one in trajectory.charges]
+    if charges and charges[0].from_s == by_s:  # by itself, since it is not flown again with the loop
+        charges.insert(0, replace(charges[0], from_s=0.0, until_s=by_s))
     return replace(
         trajectory,
         times_s=np.append(0.0, trajectory.times_s + by_s),
