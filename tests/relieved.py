@@ -15,10 +15,11 @@ FLIGHT_S = 2 * WAY_S + 2 * ROUND_S
 TURN_S = 2 * ROUND_S
 
 
-def relieved(count: int) -> Plan:
+def relieved(count: int, rounds: int = 2) -> Plan:
     """Robots at 1 m/s: from the pad at (0, 0) to a square of 80 m, twice round it and back; the next one takes over.
 
-    The battery lasts for 400 s and is filled in 200; 40 s are the reserve.
+    The battery lasts for 400 s and is filled in 200; 40 s are the reserve. Of fewer rounds they leave the square alone
+    for a while: nobody takes over.
     """
     mission = Mission(
         name="pier",
@@ -32,13 +33,13 @@ def relieved(count: int) -> Plan:
         ),
         chargers=(Charger(name="pad", at=(0, 0), places=99),),
     )
-    robots = tuple(_robot(f"robot-{k + 1}", k * TURN_S, count * TURN_S) for k in range(count))
+    robots = tuple(_robot(f"robot-{k + 1}", k * TURN_S, count * TURN_S, rounds) for k in range(count))
     return Plan(mission=mission, trajectories=robots)
 
 
-def _robot(name: str, starts_s: float, round_s: float) -> Trajectory:
+def _robot(name: str, starts_s: float, round_s: float, rounds: int) -> Trajectory:
     """A robot that takes off then, again and again; under way at the end of a round, it is so at its start, too."""
-    line_m = np.array([(0.0, 0.0), *SQUARE_M, *SQUARE_M[1:], (0.0, 0.0)])
+    line_m = np.array([(0.0, 0.0), SQUARE_M[0], *(SQUARE_M[1:] * rounds), (0.0, 0.0)])
     flown_s = starts_s + np.append(0.0, np.cumsum(np.hypot(*np.diff(line_m, axis=0).T)))
     over = flown_s > round_s
     corners_s = np.where(over, flown_s - round_s, flown_s)

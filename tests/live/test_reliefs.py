@@ -9,12 +9,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from shapely import box
+from tests.live.two_robots import two_robots
 from tests.relieved import FLIGHT_S, TURN_S, WAY_S, relieved
 
 from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
-from rota.live.apart import teams_apart
+from rota.live.apart import robots_waited_for, teams_apart
 from rota.live.driving import Driving
 from rota.live.events import Heard, Tick
 from rota.live.keeping import Keeping
@@ -27,6 +28,7 @@ from rota.model.plan import Plan
 
 EXACT = ("clock=0", "speed_noise=0", "position_noise_m=0", "delay_s=0", "rate_hz=1")
 ENDURANCE_S, RESERVE_S = 400.0, 40.0
+EVERYBODY = frozenset(f"robot-{k}" for k in (1, 2, 3))
 
 
 @dataclass
@@ -144,6 +146,37 @@ def test_robots_of_other_loops_do_not_wait() -> None:
     assert flown.times_of("takes off", "robot-1")[-1] == pytest.approx(comes_s, abs=8.0)
 
 
+@pytest.mark.parametrize("body_m", [0.0, 0.1])
+def test_nobody_holds_for_a_late_launch_but_where_bodies_are_kept_apart(body_m: float) -> None:
+    """One round each, 60 s of which the square is left alone; the first robot's battery alone fills too slowly."""
+    plan = relieved(3, rounds=1)
+    fleet = plan.mission.fleet
+    robots = [
+        Robot(name=way.robot, body_radius_m=body_m, battery=replace(fleet.battery, recharge_s=200 if k == 0 else 5))
+        for k, way in enumerate(plan)
+    ]
+    plan = replace(plan, mission=replace(plan.mission, fleet=replace(fleet, robots=robots)))
+    assert robots_waited_for(plan) == (EVERYBODY if body_m else frozenset())
+    flown = fly(plan, 1700.0, "slower_charging=0.99")
+    (late_s,) = flown.times_of("relief late", "robot-1")
+    assert late_s == pytest.approx(9 * TURN_S, abs=8.0)
+    (notice,) = [notice for notice in flown.told if notice.kind == "relief late"]
+    left = [time_s for time_s in flown.times_of("takes off", "robot-2") if time_s > late_s]
+    if body_m:
+        assert notice.text.endswith("robots hold their posts as long as their batteries let them")
+        assert left == []
+        assert flown.behind_s > 200
+    else:
+        assert notice.text.endswith("nobody holds a post for it, and the others go on")
+        assert left == pytest.approx([10 * TURN_S], abs=8.0)
+        assert flown.behind_s == 0
+
+
+def test_who_does_not_charge_or_relieves_somebody_is_waited_for() -> None:
+    assert robots_waited_for(relieved(3)) == EVERYBODY
+    assert robots_waited_for(two_robots()) == {"a", "b"}
+
+
 def test_teams_are_apart_where_nothing_depends_on_how_they_follow_each_other() -> None:
     plan = two_teams()
     first, other = [f"robot-{k}" for k in (1, 2, 3)], [f"other-{k}" for k in (1, 2, 3)]
@@ -199,7 +232,7 @@ def state(name: str, place_m: tuple[float, float], lag_s: float, battery: float 
 
 
 def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
-    reliefs = Reliefs(relieved(3))
+    reliefs = Reliefs(relieved(3), 0.0, EVERYBODY)
     pad, post = state("robot-2", (0.0, 0.0), 0.0, None), state("robot-1", (10.0, 10.0), -5.0, None)
     conduct, told = reliefs.look(TURN_S - 1, (pad, post), in_time)
     assert not conduct.docks["robot-2"].leaves
@@ -210,7 +243,7 @@ def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
 
 
 def test_who_has_to_take_off_is_told_before_its_time() -> None:
-    reliefs, pad = Reliefs(relieved(3), lead_s=15.0), state("robot-2", (0.0, 0.0), 0.0, 1.0)
+    reliefs, pad = Reliefs(relieved(3), 15.0, EVERYBODY), state("robot-2", (0.0, 0.0), 0.0, 1.0)
     assert not reliefs.look(TURN_S - 16, (pad,), in_time)[0].docks["robot-2"].leaves
     conduct, _ = reliefs.look(TURN_S - 14, (pad,), in_time)
     assert (conduct.docks["robot-2"].leaves, conduct.docks["robot-2"].plan_s) == (True, TURN_S)

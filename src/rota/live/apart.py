@@ -1,4 +1,4 @@
-"""Which robots of a plan can wait without the others: those of loops that have nothing to do with other loops."""
+"""Which robots of a plan can wait without the others, and which are waited for at all."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rota.live.places import places_of
 from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights
 from rota.routes.served_loops import service_of
+from rota.routes.who_relieves import robots_that_relieve
 
 MOST_PLACES = 4_000  # at which it is looked whether one team alone sees them in time
 MET = 1 + 1e-9  # times its period
@@ -26,11 +27,9 @@ def teams_apart(plan: Plan) -> dict[str, int]:
     bodies are to be kept apart, where zones are to be visited, and where nobody charges.
     """
     teams = {way.robot: k for k, way in enumerate(plan)}
-    robots = [plan.mission.fleet.robot(name) for name in teams]
     visits = any(zone.demand == "visit" for zone in plan.mission.zones)
     charge = [way for way in plan if has_flights(way)]
-    as_one = visits or plan.mission.planning.makes_runs or any(robot.body_radius_m > 0 for robot in robots)
-    if as_one or not charge:
+    if visits or _keep_apart(plan) or not charge:
         return dict.fromkeys(teams, 0)
     for loop in service_of([flight for way in charge for flight in flights_of(way)]).loops:
         _join(teams, loop.robots)
@@ -40,6 +39,24 @@ def teams_apart(plan: Plan) -> dict[str, int]:
             _join(teams, users)
     _join_by_sight(plan, teams)
     return teams
+
+
+def robots_waited_for(plan: Plan) -> frozenset[str]:
+    """The names of robots for which others wait when they are late: all that do not charge, or relieve somebody.
+
+    Others, as on circuits, are launched by themselves. In swarms, and where bodies are to be kept apart, all are waited
+    for.
+    """
+    names = frozenset(way.robot for way in plan)
+    if _keep_apart(plan):
+        return names
+    return names - {way.robot for way in plan if has_flights(way)} | robots_that_relieve(plan)
+
+
+def _keep_apart(plan: Plan) -> bool:
+    """Whether it matters to bodies, or to a swarm, how far each robot is."""
+    bodies = any(plan.mission.fleet.robot(way.robot).body_radius_m > 0 for way in plan)
+    return plan.mission.planning.makes_runs or bodies
 
 
 def _join(teams: dict[str, int], names: Iterable[str]) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rota.links.link import Mode, Order
-from rota.live.apart import teams_apart
+from rota.live.apart import robots_waited_for, teams_apart
 from rota.live.notices import Notice, NoticeKind, RobotState, names_in_words
 from rota.live.reliefs import Conduct, Reliefs
 from rota.model.plan import Plan
@@ -47,7 +47,8 @@ class Keeping:
     """
 
     def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0, lead_s: float = 0.0) -> None:
-        self._reliefs, self.conduct = Reliefs(plan, lead_s), Conduct()
+        self._waited_for = robots_waited_for(plan)
+        self._reliefs, self.conduct = Reliefs(plan, lead_s, self._waited_for), Conduct()
         self._most_rate = min(most_rate, 1.0)
         self._slack = slack
         self._tracks = {way.robot: _Track(looked_back_s(way.loop_duration_s)) for way in plan}
@@ -86,9 +87,14 @@ class Keeping:
                 self._held_s[team] += self.rate * (now_s - self._now_s)
         self._now_s = now_s
         self.conduct, told = self._reliefs.look(now_s, robots, self.behind_of_s)
-        held_before, self._holding = self._holding, frozenset(self._team[name] for name in self.conduct.late)
+        held_before, waited_for = self._holding, self._waited_for.intersection
+        self._holding = frozenset(self._team[name] for name in waited_for(self.conduct.late))
         drives = {robot.name: self._drives(robot, held_before) for robot in robots}
-        on_route = [self.late_s(robot) - room_s.get(robot.name, 0.0) for robot in robots if drives[robot.name]]
+        on_route = [
+            self.late_s(robot) - room_s.get(robot.name, 0.0)
+            for robot in robots
+            if drives[robot.name] and robot.name in self._waited_for
+        ]
         if on_route and min(on_route) > LATE_S:
             # nobody is nearer to the clock: it is they that keep it
             self.behind_s += min(on_route) - EARLY_SHARE * LATE_S
@@ -105,7 +111,7 @@ class Keeping:
             orders.append((robot.name, late_s))
             pace, late_s = track.pace(), late_s - own_s
             track.judge(late_s)
-            if pace is not None and pace >= LEAST_RATE * self._most_rate:
+            if pace is not None and self._waits_for(robot.name, pace):
                 rates.append(1 - max(0.0, 1 - pace) * track.waited_share(late_s))
             told += self._standing(now_s, robot.name, track, late_s, pace)
         self.rate = 0.0 if self._holding == self._held_s.keys() else max(min(LEAST_RATE, self._most_rate), min(rates))
@@ -120,6 +126,10 @@ class Keeping:
             for name, dock in self.conduct.docks.items()
         ]
         return [*docked, *(self._order(name, late_s) for name, late_s in orders)], told
+
+    def _waits_for(self, name: str, pace: float) -> bool:
+        """Whether all go slower with a robot that goes at this pace."""
+        return name in self._waited_for and pace >= LEAST_RATE * self._most_rate
 
     def _drives(self, robot: RobotState, held_before: frozenset[int]) -> bool:
         """Whether it is on its route, in the air; one that was told to hold where it is looks as if it were held up."""
@@ -144,7 +154,7 @@ class Keeping:
         slow = now_s - track.late_since_s >= TOLD_AFTER_S and pace < self._most_rate - NOTED
         if slow and not track.told_slow:
             track.told_slow = True
-            waits = pace >= LEAST_RATE * self._most_rate
+            waits = self._waits_for(name, pace)
             others = f"all go on at {pace:.2f} of the plan's pace" if waits else "the others go on without it"
             lapses = self.lapses_at(pace) if waits else []
             then = f"; at that pace {names_in_words(lapses)}" if lapses else "; nothing lapses by that" if waits else ""

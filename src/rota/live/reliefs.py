@@ -84,10 +84,13 @@ class _Flyer:
 
 
 class Reliefs:
-    """The reliefs of a plan. lead_s: how long before it leaves a robot has to be told, since it has to climb first."""
+    """The reliefs of a plan. lead_s: how long before it leaves a robot has to be told, since it has to climb first.
 
-    def __init__(self, plan: Plan, lead_s: float = 0.0) -> None:
-        self._chargers, self._lead_s = plan.mission.chargers, lead_s
+    waited_for: the names of robots for which others hold their posts.
+    """
+
+    def __init__(self, plan: Plan, lead_s: float, waited_for: frozenset[str]) -> None:
+        self._chargers, self._lead_s, self._waited_for = plan.mission.chargers, lead_s, waited_for
         self._flyers: dict[str, _Flyer] = {}
         for way in plan:
             robot = plan.mission.fleet.robot(way.robot)
@@ -150,13 +153,12 @@ class Reliefs:
         late = stay.left_m is None and clock_s >= stay.leaves_s
         if late and stay.told_late_s is None:
             stay.told_late_s = now_s
-            self._told.append(
-                _notice(
-                    now_s, "relief late", robot.name,
-                    f"{robot.name} is late: its next flight takes a battery of {enough_s:.0f} s, {left_s:.0f} s are"
-                    " there; robots hold their posts as long as their batteries let them",
-                )
-            )  # fmt: skip
+            held = "robots hold their posts as long as their batteries let them"
+            then = held if robot.name in self._waited_for else "nobody holds a post for it, and the others go on"
+            text = (
+                f"{robot.name} is late: its next flight takes a battery of {enough_s:.0f} s, {left_s:.0f} s are there"
+            )
+            self._told.append(_notice(now_s, "relief late", robot.name, f"{text}; {then}"))
         return Dock(leaves=stay.left_m is not None, plan_s=stay.leaves_s), late
 
     def _hurries(self, now_s: float, flyer: _Flyer, robot: RobotState, behind_s: float) -> bool:
