@@ -18,12 +18,12 @@ from rota.planners.patrol.circuits.ground import least_on_circuits
 from rota.planners.patrol.circuits.plan_with_circuits import plan_with_circuits
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.fewest.search import share_of_progress
+from rota.planners.patrol.planner_settings import MOST_PATROLLING
 from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
 from rota.planners.patrol.verdict import Judge
 from rota.planning.progress import Watch
 
 LOOPS_FOUND = 0.4  # of the time; loops for circuits, which are as short as can be, take longer
-MOST_ROBOTS = 10_000  # on circuits, where turns at loops are no plan
 
 
 class Search(Protocol):
@@ -78,6 +78,6 @@ def _most_on_circuits(mission: Mission, relieved: Plan | NoPlanFound, bound: int
     if isinstance(relieved, Plan):
         most = len(relieved) - 1 if named is None else 0
     else:
-        most = MOST_ROBOTS if named is None else len(named)
+        most = MOST_PATROLLING if named is None else len(named)
     least = least_on_circuits(mission, charging_of(mission).per_s)
     return most if most >= max(bound, math.ceil(least)) else 0

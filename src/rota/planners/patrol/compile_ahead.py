@@ -6,7 +6,7 @@ import numpy as np
 from shapely import MultiPolygon, box
 
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
-from rota.planners.patrol.annealing.compile_ahead import FLOAT, longest_moves, moves, typeof, types_of_states
+from rota.planners.patrol.annealing.compile_ahead import Float, longest_moves, moves, typeof, types_of_states
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -29,7 +29,7 @@ def bending() -> None:
     floats, ints = np.zeros(0), np.zeros(0, np.int64)
     legs, best = SensingLegs(np.zeros((0, 4)), ints, floats, ints), Sightings(ints, floats, floats)
     _, samples, _ = types_of_states()
-    best_sightings.compile_entry(typeof(legs), FLOAT, samples, typeof(np.zeros(0, np.int32)), typeof(best))
+    best_sightings.compile_entry(typeof(legs), Float, samples, typeof(np.zeros(0, np.int32)), typeof(best))
 
 
 def compile_bound() -> None:

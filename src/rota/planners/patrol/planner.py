@@ -17,7 +17,7 @@ from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.charging import plan_that_charges
 from rota.planners.patrol.context import Context, begin_search
-from rota.planners.patrol.efforts import EFFORTS, QUICK
+from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
@@ -211,7 +211,7 @@ def plan_tours(
         best = with_shorter_sights(context, best)
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
-        best = sweep(context, QUICK) or best
+        best = sweep(context, EFFORTS["quick"]) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
     context = replace(context, progress=share_of_progress(progress, SEARCHED, 0.97))

@@ -24,7 +24,6 @@ Preference = Literal["shortest", "fewest_turns"]
 
 # a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
 MOST_PATROLLING = 10_000
-MAP_OF_IMPORTANCE = "patrol compares whole zones by their importance: give a number, or importance for zones"
 LEAST_REACH_M = 1e-3  # that a reserve must leave of a sensor's reach
 
 
@@ -112,7 +111,8 @@ class PatrolSettings(PlannerSettings):
             if inner(data, "patrol", "method") == method:
                 yield from block.refusals(data)
         if not isinstance(data.get("importance"), int | float | None):
-            yield ("importance",), MAP_OF_IMPORTANCE
+            message = "patrol compares whole zones by their importance: give a number, or importance for zones"
+            yield ("importance",), message
         yield from lane_refusals(data)
         yield from charging_refusals(data)
         yield from _kinds_on_lanes(data)

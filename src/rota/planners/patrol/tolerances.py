@@ -11,6 +11,7 @@ SLOWER = 1 - ROUNDING  # of full speed, so that rounding of times never shows as
 
 TO_SPARE = 1e-3  # share by which limits are kept better than asked, so that nobody who looks closely sees more
 SAME_ROUND = 1e-10  # share by which a round may be shorter than it can be driven, or longer than its period
+BISECTIONS = 40  # of an interval, until what is left of it is rounding
 TIE = 1e-9  # share by which a few operations on numbers of one size are off: less is no difference
 
 HAIR_M = 1e-6  # shorter legs, which times tell with too few digits, and gaps, slivers and differences are none

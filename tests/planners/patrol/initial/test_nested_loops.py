@@ -14,7 +14,7 @@ from tests.planners.patrol.annealing.test_annealing import assert_books_are_true
 from rota.check import check_plan
 from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.efforts import ESTIMATES, QUICK
+from rota.planners.patrol.efforts import EFFORTS, ESTIMATES
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.initial.allocation import nested_allocations, nesting_bases, period_groupings
@@ -342,7 +342,7 @@ def test_quick_ground_that_takes_no_sweeping_may_have_a_nest_too(problem: Proble
     grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
     one_each = [replace(t, robots=1) for t in grouping.tours]
     visited = replace(grouping, tours=one_each, ideal_m=[0.0, grouping.ideal_m[1]])
-    [allocation] = nested_allocations(problem, [visited], QUICK.allocation, least_slack=1.0)
+    [allocation] = nested_allocations(problem, [visited], EFFORTS["quick"].allocation, least_slack=1.0)
     found = nest_tours(problem, visited.groups, one_each, visited.ideal_m, **loops_of(1.0))
     assert found is not None
     assert allocation.slack == found[0]
@@ -352,8 +352,8 @@ def test_every_estimate_gives_a_nest_of_its_own(problem: Problem) -> None:
     grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
     # so much slow ground that no excursions sweep it all
     base = replace(grouping, tours=[replace(t, robots=1) for t in grouping.tours], ideal_m=[grouping.ideal_m[0], 200.0])
-    [usual] = nested_allocations(problem, [base], QUICK.allocation, least_slack=0.1)
-    settings = replace(QUICK.allocation, estimates=ESTIMATES[:3])
+    [usual] = nested_allocations(problem, [base], EFFORTS["quick"].allocation, least_slack=0.1)
+    settings = replace(EFFORTS["quick"].allocation, estimates=ESTIMATES[:3])
     found = list(nested_allocations(problem, [base], settings, least_slack=0.1))
     assert len(found) == 6  # from one vertex, then from several
     assert all(allocation.nested for allocation in found)

@@ -12,7 +12,7 @@ from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.ground.sample_kernels import Samples
 
 typeof = kernels.anneal.typeof_pyval
-INT, FLOAT = typeof(0), typeof(0.0)
+Int, Float = typeof(0), typeof(0.0)
 TWO_DIMENSIONS = {
     "walls",
     "frames",
@@ -31,17 +31,17 @@ def moves() -> None:
     """Compile the whole annealing, but for what is in the cache already."""
     space, samples, tours = types_of_states()
     state_kernels.over_budget_costs.compile_entry(typeof(np.zeros(0, np.int64)), tours)
-    kernels.see_more.compile_entry(INT, FLOAT, space, samples, tours)
+    kernels.see_more.compile_entry(Int, Float, space, samples, tours)
     kernels.anneal.compile_entry(
-        INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours
+        Int, Int, typeof(kernels.Schedule(0, 0.0, 0.0, 0.0)), Float, Float, space, samples, tours
     )
 
 
 def longest_moves() -> None:
     """Compile the two longest moves alone; ``moves`` in another process finds them in the cache."""
     space, samples, tours = types_of_states()
-    move_kernels.try_two_opt.compile((INT, INT, FLOAT, space, samples, tours))
-    move_kernels.try_or_opt.compile((INT, INT, INT, FLOAT, FLOAT, space, samples, tours))
+    move_kernels.try_two_opt.compile((Int, Int, Float, space, samples, tours))
+    move_kernels.try_or_opt.compile((Int, Int, Int, Float, Float, space, samples, tours))
 
 
 def types_of_states() -> tuple[Any, Any, Any]:

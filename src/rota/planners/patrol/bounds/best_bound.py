@@ -28,17 +28,16 @@ from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
 MOST_WINDOWS = 6  # for which forests are tried
 TOUR_STATES: dict[Effort, int] = {"quick": 20, "normal": 30, "high": 200}  # of each search for orders
-NOTHING_ASKED = ProvedBound(robots=0, reason="nothing that is asked can be seen")
-SOMETHING_ASKED = ProvedBound(robots=1, reason="something is asked, and it can be seen")
 
 
 def prove_by_area(problem: Problem) -> ProvedBound:
     """The bound that counts no more than areas and periods: a tenth of the work, and often the highest there is."""
-    if not len(problem.points):
-        return NOTHING_ASKED
+    least = least_asked(problem)
+    if not least.robots:
+        return least
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
-    return max_of([SOMETHING_ASKED, _by_areas(regions, seeable_m2, robot)])
+    return max_of([least, _by_areas(regions, seeable_m2, robot)])
 
 
 def prove_bound(
@@ -49,15 +48,16 @@ def prove_bound(
     Nothing that can be seen gives 0. Every bound is for a robot as good as the best of the fleet in all respects.
     tours: orders of places are looked at, too, which takes longer than all else; not any further once ``should_stop``.
     """
-    if not len(problem.points):
-        return NOTHING_ASKED
+    least = least_asked(problem)
+    if not least.robots:
+        return least
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
     witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     pieces = ground_pieces(regions, seeable_m2)
     states = TOUR_STATES[PatrolSettings.of(problem.mission).effort] if tours else 0
     proofs = [
-        SOMETHING_ASKED,
+        least,
         _by_areas(regions, seeable_m2, robot),
         *_by_rates(regions, seeable_m2, robot, circle_radius_m(problem.mission)),
         groups_bound(pieces, robot),
@@ -67,6 +67,13 @@ def prove_bound(
         proofs.append(_by_components(witnesses, robot, visits, states, should_stop))
     best = max_of(proofs)
     return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states, should_stop)])
+
+
+def least_asked(problem: Problem) -> ProvedBound:
+    """One robot where anything is asked that can be seen, else none."""
+    if not len(problem.points):
+        return ProvedBound(robots=0, reason="nothing that is asked can be seen")
+    return ProvedBound(robots=1, reason="something is asked, and it can be seen")
 
 
 def _by_areas(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot) -> ProvedBound:

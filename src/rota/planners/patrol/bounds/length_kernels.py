@@ -19,7 +19,6 @@ import numpy as np
 from rota.compiled.kernel import allocation_free, kernel
 
 LONGEST = 32  # tasks of one robot: a longer order ends the search
-FAR = 1e300
 
 
 class Tasks(NamedTuple):
@@ -52,7 +51,7 @@ def move_into(place: int, x: float, y: float, tasks: Any, at: Any) -> None:
             share = tasks.radius_m[place] / away
             at[0], at[1] = tasks.centre_m[place, 0] + dx * share, tasks.centre_m[place, 1] + dy * share
         return
-    nearest = FAR
+    nearest = np.inf
     for k in range(corners):
         from_x, from_y = tasks.corner_m[place, k]
         to_x, to_y = tasks.corner_m[place, (k + 1) % corners]
@@ -74,7 +73,7 @@ def least_along(place: int, x: float, y: float, tasks: Any) -> float:
     if tasks.corners[place] == 0:
         middle = x * tasks.centre_m[place, 0] + y * tasks.centre_m[place, 1]
         return float(middle - math.sqrt(x * x + y * y) * tasks.radius_m[place])
-    least = FAR
+    least = np.inf
     for k in range(tasks.corners[place]):
         least = min(least, x * tasks.corner_m[place, k, 0] + y * tasks.corner_m[place, k, 1])
     return least

@@ -27,8 +27,9 @@ from rota.model.mission import Robot
 from rota.planners.patrol.bounds.length_kernels import Tasks
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.bounds.short_round import robots_on_rounds
-from rota.planners.patrol.bounds.tour_kernels import IMPOSSIBLE, search_orders
+from rota.planners.patrol.bounds.tour_kernels import search_orders
 from rota.planners.patrol.bounds.witness_points import Witnesses
+from rota.planners.patrol.cycles.deadline_kernels import Outcome
 from rota.planners.patrol.tolerances import SURELY
 from rota.planners.patrol.verdict import robots_in_words
 
@@ -64,7 +65,7 @@ def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int, s
             if should_stop():
                 return False
             first = len(tasks.place) - places
-            if places <= most_places and search_orders(robots, first, tasks, most_states // share) == IMPOSSIBLE:
+            if places <= most_places and search_orders(robots, first, tasks, most_states // share) == Outcome.NONE:
                 return True
     return False
 

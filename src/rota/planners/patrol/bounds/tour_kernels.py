@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import allocation_free, kernel
-from rota.planners.patrol.bounds.length_kernels import FAR, LONGEST, is_longer, move_into
+from rota.planners.patrol.bounds.length_kernels import LONGEST, is_longer, move_into
+from rota.planners.patrol.cycles.deadline_kernels import Outcome
 
-IMPOSSIBLE, POSSIBLE, OPEN = 0, 1, -1
 DEEPEST = 64  # tasks of all robots
 
 
@@ -90,9 +90,9 @@ def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any
     early, late: (m,) when it can be at each of its tasks.
     """
     place, opens, closes = tasks.place[task], tasks.opens_m[task], tasks.closes_m[task]
-    x, y, least, near = tasks.centre_m[place, 0], tasks.centre_m[place, 1], FAR, np.empty(2)
+    x, y, least, near = tasks.centre_m[place, 0], tasks.centre_m[place, 1], np.inf, np.empty(2)
     for i in range(max(1, count - 1)):
-        at_x, at_y, begins, ends = xy[i, 0], xy[i, 1], -FAR, FAR
+        at_x, at_y, begins, ends = xy[i, 0], xy[i, 1], -np.inf, np.inf
         if count > 1:
             along_x, along_y = xy[i + 1, 0] - at_x, xy[i + 1, 1] - at_y
             square = along_x * along_x + along_y * along_y
@@ -119,7 +119,7 @@ def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any
 def weigh_tasks(orders: Any, tasks: Any, missed: Any) -> None:
     """Write by how much each task is missed by all robots that have tasks into missed (n,)."""
     early, late = np.empty(LONGEST), np.empty(LONGEST)
-    missed[:] = FAR
+    missed[:] = np.inf
     for robot in range(orders.count.shape[0]):
         count, order, xy = orders.count[robot], orders.task[robot], orders.xy_m[robot]
         if count == 0:
@@ -200,9 +200,9 @@ def branch(orders: Any, begin_with: int, tasks: Any, missed: Any, ways: Any) -> 
 
 @kernel
 def search_orders(robots: int, begin_with: int, tasks: Any, most_states: int) -> int:
-    """IMPOSSIBLE where surely no orders of so many robots do all tasks in time.
+    """NONE where surely no orders of so many robots do all tasks in time.
 
-    POSSIBLE where orders were found that miss none, by what is known here; OPEN after most_states. Tasks begin_with to
+    FOUND where orders were found that miss none, by what is known here; OPEN after most_states. Tasks begin_with to
     the last come first.
     """
     count = np.zeros((DEEPEST, robots), np.int64)
@@ -214,14 +214,14 @@ def search_orders(robots: int, begin_with: int, tasks: Any, most_states: int) ->
     for _ in range(most_states):
         orders = Orders(count[depth], order[depth], xy[depth])
         if depth == DEEPEST - 1 or count[depth].max() == LONGEST - 1:
-            return OPEN
+            return Outcome.OPEN
         found = branch(orders, begin_with, tasks, missed, ways[depth])
         if found < 0:
-            return POSSIBLE
+            return Outcome.FOUND
         left[depth, 0], left[depth, 1] = 0, found
         while left[depth, 0] == left[depth, 1]:
             if depth == 0:
-                return IMPOSSIBLE
+                return Outcome.NONE
             depth -= 1
         robot, at, task = ways[depth, left[depth, 0]]
         left[depth, 0] += 1
@@ -231,4 +231,4 @@ def search_orders(robots: int, begin_with: int, tasks: Any, most_states: int) ->
         can_be_in_time(order[depth + 1, robot], xy[depth + 1, robot], more, at, tasks)
         count[depth + 1, robot] = more
         depth += 1
-    return OPEN
+    return Outcome.OPEN

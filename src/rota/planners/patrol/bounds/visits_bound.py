@@ -26,14 +26,14 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.bounds.witness_points import MOST_SPREAD_OUT
 from rota.planners.patrol.cycles.one_robot import is_hopeless
+from rota.planners.patrol.cycles.teams import MOST_TOGETHER
 from rota.planners.patrol.tolerances import SURELY
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_PLACES = 120  # in the linear program
-MOST_ALONE = 12  # places of which it is asked whether one robot can serve them
 MOST_STATES = 100_000  # that are looked at for the answer
 APART = 0.01  # of the shortest period: places with less time between them are not asked about together
 
@@ -42,7 +42,7 @@ def visits_bound(apart_m: Floats, period_s: Floats, speed_m_s: float, least: int
     """The proofs for places (n) at least apart_m (n, n) from each other, periods period_s (n,); ``least`` is known."""
     if len(period_s) < 2:
         return
-    some = np.argsort(period_s, kind="stable")[:MOST_PLACES]
+    some = np.argsort(period_s, kind="stable")[:MOST_SPREAD_OUT]
     apart_s, period_s = apart_m[np.ix_(some, some)] / speed_m_s, period_s[some]
     near_s = times_near(apart_s, period_s)
     share = 2 * near_s / period_s
@@ -83,9 +83,9 @@ def times_near(apart_s: Floats, period_s: Floats) -> Floats:
 
 
 def far_from_each_other(order: Ints, apart_s: Floats, least_s: float) -> Ints:
-    """The first ``MOST_ALONE`` places in this order (n,) that are ``least_s`` from all taken before."""
+    """The first ``MOST_TOGETHER`` places in this order (n,) that are ``least_s`` from all taken before."""
     taken: list[int] = []
     for place in order:
-        if len(taken) < MOST_ALONE and all(apart_s[place, other] >= least_s for other in taken):
+        if len(taken) < MOST_TOGETHER and all(apart_s[place, other] >= least_s for other in taken):
             taken.append(int(place))
     return np.array(taken, dtype=np.int64)

@@ -20,16 +20,16 @@ from rota.model.mission import Mission, SquareSensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.surroundings import MANY_WALLS
 from rota.planners.patrol.ground.viewpoints import Viewpoints
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SPREAD_OUT = 120  # witnesses that lie far from each other
+MOST_SPREAD_OUT = 120  # witnesses that lie far from each other, and places in the linear program for visits
 MOST_HIDDEN = 40  # witnesses that hardly any place sees
 FEWEST_PER_PERIOD = 12
 MOST_LOOKED_AT = 20_000  # samples among which witnesses are chosen, for each period, or of which chains are made
-MOST_CORNERS = 6_000  # of a mission: with more, ways between witnesses are measured straight
 ROOM = 1e-4  # of the reach: what blocks is made thinner by it, so that rounding and tolerances only lower the bound
 _STEP = 1 / 8  # of the reach: between points on the border of a view
 _ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay within the true ones
@@ -93,7 +93,7 @@ def witnesses_of(problem: Problem, reach_m: float) -> Witnesses:
     """
     mission, regions, points, periods_s = problem.mission, problem.regions, problem.points, problem.periods_s
     chosen = _chosen_samples(points, problem.viewpoints, reach_m)
-    if _corners_of(mission) > MOST_CORNERS:
+    if _corners_of(mission) > MANY_WALLS:
         return _straight_witnesses(regions, periods_s, points[chosen], reach_m)
     space = _WiderSpace(mission, reach_m)
     served = [

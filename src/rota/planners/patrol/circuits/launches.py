@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.model.battery_limits import BatteryLimits
 from rota.planners.patrol.circuits.ground import Circuit
-from rota.planners.patrol.relief.shifts import charging_s
+from rota.planners.patrol.relief.shifts import MOST_JOBS, charging_s
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SHORTEST_S
 
 Floats = NDArray[np.float64]
 
 MOST_LAUNCHES = 60  # in a turn
-MOST_PERIODS = 12  # of some circuit, in a turn
 MOST_PHASES = 24  # that are tried for a number of robots and a turn
 MOST_TURNS = 6  # lengths of turns for which phases are tried
 
@@ -66,7 +65,7 @@ def turns_of(circuits: Sequence[Circuit], battery: BatteryLimits) -> list[Turn]:
     lasts_s = np.array([circuit.line.duration_s for circuit in circuits])
     busy_s = lasts_s + (charging_s(battery, circuits[0].charger, used_s) if battery.recharge_s is not None else 0.0)
     found = {}
-    for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_PERIODS + 1)]):
+    for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_JOBS + 1)]):
         counts = np.maximum(1, np.ceil(turn_s / most_s * (1 - SAME_ROUND))).astype(np.int64)
         if counts.sum() <= max(MOST_LAUNCHES, len(circuits)):
             robots = float((counts * busy_s).sum() / turn_s)

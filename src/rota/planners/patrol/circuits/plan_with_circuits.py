@@ -15,10 +15,9 @@ from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.circuits.ground import Circuit, circuits_of, grounds_of, without_seen
 from rota.planners.patrol.circuits.launches import Ring, fewest_rings
 from rota.planners.patrol.relief.flights import robot_of_jobs
+from rota.planners.patrol.relief.relieve import MOST_TRIES
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, worst_reached
-
-MOST_TRIES = 12  # of robots with bodies, which may touch on their ways
 
 
 class SearchPart(Protocol):

@@ -16,13 +16,22 @@ Problem is PSPACE-Complete", FoSSaCS 2015; what dead states are good for is new 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rota.compiled.kernel import kernel
 
-FOUND, NONE, OPEN = 1, 0, -1
+
+class _Outcome(NamedTuple):
+    """What a search of all ways came to; ``OPEN`` where it was given up."""
+
+    FOUND: int = 1
+    NONE: int = 0
+    OPEN: int = -1
+
+
+Outcome = _Outcome()
 
 
 @kernel
@@ -132,17 +141,17 @@ def round_for_ever(leg: Any, period: Any, by_age: bool, most: Any, found: Any) -
         turn[depth] += 1
         looked_at += 1
         if looked_at > most[0] or depth + 1 == deepest:
-            return OPEN, 0
+            return Outcome.OPEN, 0
         if not go_on(at, left, depth, to, leg, period) or is_dead(left[depth + 1], dead[to], dead_count[to]):
             continue
         depth += 1
         begin = begins_round(at, left, depth)
         if begin >= 0:
             found[: depth - begin] = at[begin:depth]
-            return FOUND, depth - begin
+            return Outcome.FOUND, depth - begin
         lay_out_ways(to, left[depth], leg, period, by_age, order[depth])
         turn[depth] = 0
-    return NONE, 0
+    return Outcome.NONE, 0
 
 
 @kernel

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.planners.patrol.cycles.one_robot import DEAD_KEPT
 from rota.planners.patrol.cycles.step_kernels import rounds_in_step
 from rota.planners.patrol.cycles.teams import MOST_TOGETHER, Share
 
@@ -16,7 +17,6 @@ Ints = NDArray[np.int64]
 
 TICKS = 1000  # of the clock within the shortest period: coarse times make rounds of robots equal
 MOST_ARRIVALS = 4000  # before a search is given up
-DEAD_KEPT = 1000
 FEWEST_TOGETHER, MOST_ROBOTS = 3, 4  # robots whose shares are put together, to be done by one less
 
 

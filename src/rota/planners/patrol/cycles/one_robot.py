@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.cycles.deadline_kernels import FOUND, NONE, round_for_ever, shortest_part
+from rota.planners.patrol.cycles.deadline_kernels import Outcome, round_for_ever, shortest_part
 from rota.planners.patrol.tolerances import SURELY
 
 Floats = NDArray[np.float64]
@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 
 TICKS = 1_000_000  # of the clock within the shortest deadline
 LONGEST_WAY = 2000  # visits before a search is given up
-DEAD_KEPT = 300  # dead states of each place that are compared with
+DEAD_KEPT = 1000  # dead states of each place that are compared with
 
 
 class Answer(NamedTuple):
@@ -75,9 +75,9 @@ def _search(leg: Ints, period: Ints, most_states: int) -> Answer:
     for by_age in (True, False):
         found = np.zeros(LONGEST_WAY, dtype=np.int64)
         outcome, length = round_for_ever(leg, period, by_age, most, found)
-        if outcome == FOUND:
+        if outcome == Outcome.FOUND:
             return Answer(found[:length], True)
-        if outcome == NONE:
+        if outcome == Outcome.NONE:
             return Answer(None, True)
     return Answer(None, False)
 

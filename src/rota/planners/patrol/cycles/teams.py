@@ -15,7 +15,9 @@ from rota.planners.patrol.cycles.subset_kernels import cheapest_sharing, round_t
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_TOGETHER = 12  # places over whose subsets a team is looked for; more are cut into parts again and again
+# places over whose subsets a team is looked for, or of which it is asked whether one robot can serve them; more are
+# cut into parts again and again
+MOST_TOGETHER = 12
 SHORTER = (
     1e-3  # of a robot: what all of the shortest round trips are worth, so that of two teams the nearer one is taken
 )

@@ -19,9 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import allocation_free, kernel
-from rota.planners.patrol.tolerances import SHORTEST_S, STRAIGHT, TIE
-
-BISECTIONS = 40
+from rota.planners.patrol.tolerances import BISECTIONS, SHORTEST_S, STRAIGHT, TIE
 
 
 class Limits(NamedTuple):

@@ -15,13 +15,13 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.geometry.tiles import Box, clip
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.surroundings import MANY_WALLS
 from rota.planners.patrol.tolerances import HAIR_M
 
 Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
 FINE_ARC_CORNERS = (128, 2048)
-MOST_DRAWN_WHOLE = 5_000  # corners of ground whose finer space takes as long to draw as a few pieces of it
 GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
 CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
@@ -65,7 +65,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
 def finer_space_in(problem: Problem, box: Box, arc_corners: int) -> MultiPolygon:
     """The part in a box of the space with arcs of so many corners, which is drawn once for all where that is soon."""
     mission, body_m = problem.mission, problem.robot.body_radius_m
-    if len(problem.paths.corners_m) > MOST_DRAWN_WHOLE:
+    if len(problem.paths.corners_m) > MANY_WALLS:
         return standing_space_in(mission, body_m, box, arc_corners=arc_corners)
     return clip(standing_anywhere(mission, body_m, arc_corners=arc_corners), box)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,6 @@ from rota.planning.stopping import require_going_on
 
 Floats = NDArray[np.float64]
 
-LAID_OUT = "all that the mission asks for was laid out"
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
 
@@ -145,28 +144,29 @@ def set_up_problem(
     nowhere than the mission allows, or nothing at all can be seen. So it does once ``should_stop``, asked between the
     steps: nothing that could go on is there yet.
     """
+    go_on = partial(require_going_on, should_stop, "all that the mission asks for was laid out")
     robot, regions = common_robot(mission.fleet), demanded_regions(mission)
     margin_m = range_margin(inner_reach_m(robot.sensor))
     roomy = with_fewer_corners(mission, inner_reach_m(robot.sensor), robot.body_radius_m)
     space, sure_space, at_limit = space_for(roomy, regions, robot, margin_m)
-    require_going_on(should_stop, LAID_OUT)
+    go_on()
     walls = sight_walls(mission)
     sure_sight = Sight(sure_space, walls, robot, 0.0)
     if is_whole:
         refuse_much_unseeable(mission, regions, sure_sight)
-    require_going_on(should_stop, LAID_OUT)
+    go_on()
     sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
     if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
         sampling = replace(sampling, few_samples=0)
     points, spacing_m = points_of_regions(regions, space, robot, sampling)
-    require_going_on(should_stop, LAID_OUT)
+    go_on()
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
         points = join([points, last])
-        require_going_on(should_stop, LAID_OUT)
+        go_on()
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
-    require_going_on(should_stop, LAID_OUT)
+    go_on()
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
     refuse_unseeable(mission, join([seen.points, hopeless]), beside, regions, sure_sight)
@@ -176,7 +176,7 @@ def set_up_problem(
         if not len(kept):
             raise NoPlanFound("nothing of what is asked can be seen from where robots can be")
         points, samples, _ = lay_out(points[kept], walls, robot, known=known_walls(samples, kept))
-    require_going_on(should_stop, LAID_OUT)
+    go_on()
     paths = ShortestPaths(space)
     seen_from = what_places_see(seen.places_m, robot, margin_m, samples)
     return Problem(

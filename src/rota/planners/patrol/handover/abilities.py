@@ -9,8 +9,7 @@ import shapely
 
 from rota.model.mission import Robot, Zone, inner_reach_m
 from rota.planners.patrol.driving.timed_line import TimedLine
-
-SAME = 1 - 1e-9  # a share of a speed or of a reach that is as good
+from rota.planners.patrol.tolerances import TIE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,8 +21,8 @@ class Driver:
 
     def shortfalls(self, other: Robot) -> int:
         """In how many respects another robot is no match: speed, reach, and whether it counts for all these zones."""
-        slower = other.ground_speed_m_s < SAME * self.robot.ground_speed_m_s
-        nearer = inner_reach_m(other.sensor) < SAME * inner_reach_m(self.robot.sensor)
+        slower = other.ground_speed_m_s < (1 - TIE) * self.robot.ground_speed_m_s
+        nearer = inner_reach_m(other.sensor) < (1 - TIE) * inner_reach_m(self.robot.sensor)
         return slower + nearer + any(other.sensor.name not in names for names in self.counting)
 
 

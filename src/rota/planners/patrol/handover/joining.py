@@ -13,6 +13,7 @@ from rota.errors import PlanError
 from rota.model.mission import Robot
 from rota.model.plan import Driven, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.handover.rounds import ENTRIES
 from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
@@ -21,7 +22,6 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ENTRIES = 120  # places of a round at which robots may come into it
 THERE_M = 5e-7  # who is so near to where a round is to be joined is there
 MOST_TRIED = 6  # places at which a robot that turns slowly may still come too late
 

@@ -16,17 +16,14 @@ from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.handover.rounds import loop_of
+from rota.planners.patrol.handover.rounds import PHASES, loop_of
 from rota.planners.patrol.route_graph.network import Network, calls_of, network_of
 from rota.planners.patrol.route_graph.plan_on_graph import GraphSearch
-from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
+from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
-
-AT_END_M = 1e-6  # from the end of a lane: who is so near is there
-SHIFTS = 8  # of the common clock of all rounds that are tried
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +46,7 @@ def takeovers_on_lanes(asked: Handover) -> Iterator[Plan]:
     with suppress(NoPlanFound):
         rounds = _rounds_of_team(asked, network)
         longest_s = max(round_.duration_s for round_ in rounds)
-        for shift_s in np.linspace(0, longest_s, SHIFTS, endpoint=False):
+        for shift_s in np.linspace(0, longest_s, PHASES, endpoint=False):
             joined = _join_all(coming, rounds, float(shift_s), network)
             if joined is not None:
                 lines = tuple(joined[name] for name in asked.places)
@@ -72,7 +69,7 @@ def _coming(asked: Handover, name: str, network: Network) -> Coming | None:
     places_m = np.array([asked.places[name]]) if line is None else line.positions_m[:, :2]
     times_s = np.zeros(1) if line is None else line.times_s
     away_m = np.hypot(*(places_m[:, None] - network.ends_m[None]).transpose(2, 0, 1))
-    there = np.flatnonzero(away_m.min(axis=1) <= AT_END_M)
+    there = np.flatnonzero(away_m.min(axis=1) <= HAIR_M)
     if not len(there):
         return None
     first = int(there[0])
@@ -114,7 +111,7 @@ def start_round(round_: TimedLine, phase_s: float) -> TimedLine:
 def _ends_of(round_: TimedLine, network: Network) -> tuple[Floats, NDArray[np.int64]]:
     """When a round is at ends of lanes, and at which: (k,) each."""
     away_m = np.hypot(*(round_.places_m[:, None] - network.ends_m[None]).transpose(2, 0, 1))
-    there = np.flatnonzero(away_m.min(axis=1) <= AT_END_M)
+    there = np.flatnonzero(away_m.min(axis=1) <= HAIR_M)
     return round_.times_s[there], np.argmin(away_m[there], axis=1)
 
 

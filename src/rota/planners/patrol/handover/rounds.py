@@ -21,7 +21,9 @@ Floats = NDArray[np.float64]
 
 SAME_M, SAME = 1e-4, 1e-7  # rounds are one that miss each other by no more, and whose times do by no greater share
 COMPARED = 16  # moments of two rounds
-JOINED_AT = 96  # places of a round at which another one may be joined to it
+PHASES = 8  # of a round, or moments at which all begin, that are tried, beside those at which somebody need not wait
+HALVINGS = 4  # of the step between them, to try those beside the best
+ENTRIES = 120  # places of a round at which robots may come into it, or another one may be joined to it
 WING_SPACING = 1.5  # turn radii between the places that a round of joined ones passes in curves
 
 
@@ -116,14 +118,14 @@ def join_rounds(lines: Sequence[TimedLine], robot: Robot, paths: ShortestPaths) 
 
 def _places(line: TimedLine) -> Floats:
     """Places (n, 2) of a round, evenly spaced in time."""
-    return line.places_m[:1] if line.stays else line.at(np.linspace(0, line.duration_s, JOINED_AT, endpoint=False))
+    return line.places_m[:1] if line.stays else line.at(np.linspace(0, line.duration_s, ENTRIES, endpoint=False))
 
 
 def _places_along(corners_m: Floats, apart_m: float | None = None) -> Floats:
     """Places (n, 2) of a closed polyline, evenly spaced along it, so far apart at least; None: a number of them."""
     closed_m = np.vstack([corners_m, corners_m[:1]])
     along_m = np.append(0.0, np.cumsum(np.hypot(*np.diff(closed_m, axis=0).T)))
-    number = JOINED_AT if apart_m is None else max(3, int(along_m[-1] / apart_m))
+    number = ENTRIES if apart_m is None else max(3, int(along_m[-1] / apart_m))
     wanted_m = np.linspace(0, along_m[-1], number, endpoint=False)
     return np.column_stack([np.interp(wanted_m, along_m, closed_m[:, axis]) for axis in (0, 1)])
 

@@ -21,6 +21,8 @@ from rota.planners.patrol.handover.charging.takeovers import takeovers_with_char
 from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
 from rota.planners.patrol.handover.on_lanes import takeovers_on_lanes
 from rota.planners.patrol.handover.rounds import (
+    HALVINGS,
+    PHASES,
     Round,
     begin_at,
     distances_between,
@@ -39,8 +41,6 @@ Floats = NDArray[np.float64]
 
 SHORT_S = 1e6  # what it costs to give a round to a robot that is slower, sees less far or does not count where it leads
 FINER = 4  # plans, the least late ones, for which phases beside theirs are tried
-HALVINGS = 4  # of the step between phases that are tried beside the best
-PHASES = 6  # of a round that are tried, beside those at which one of its robots need not wait
 
 
 def takeovers(asked: Handover) -> Iterator[Plan]:

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_GEODESIC = 1500  # beyond as many places, their order is found with straight distances
-MOST_ORDERED = 4000  # beyond as many places, lanes are their order
+MOST_ORDERED = 4000  # beyond as many places, or ends of lanes, lanes are their order
 MOST_ORDERED_RAGGED = 7000  # the same among ragged walls, which lanes would cross again and again
 DETOUR = 1.15  # length of real tours over area / swath, for choosing groups and how many robots share a hub
 

@@ -16,12 +16,11 @@ from shapely.affinity import rotate
 from rota.geometry.free_space import DemandedRegion
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.kinds.groups import Group
+from rota.planners.patrol.tolerances import BISECTIONS, SLIVER_M2
 
 Floats = NDArray[np.float64]
 
-HALVINGS = 40  # of the ground's width, to find a cut
 MOST_BY_ZONES = 4096  # ways to give whole regions to groups that are looked at
-SLIVER_M2 = 1e-6
 OF_A_VISIT = 1e-6  # m2/s, so that zones to visit are shared evenly
 
 
@@ -163,7 +162,7 @@ def _slabs(
     whole, cuts = before(x1), [x0 - 1.0]
     for share in np.cumsum(shares)[:-1]:
         low, high = x0, x1
-        for _ in range(HALVINGS):
+        for _ in range(BISECTIONS):
             middle = (low + high) / 2
             low, high = (middle, high) if before(middle) < share * whole else (low, middle)
         cuts.append(high)

@@ -32,7 +32,7 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
 BODIES_APART = 3.0  # radii between robots that relieve each other: at right angles their centres keep 2.1 apart
-MOST_TRIES = 12  # of robots with bodies, which may touch on their ways
+MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at loops, and on circuits
 MOST_MORE = 3  # robots than a cycle takes at least, that are tried
 
 

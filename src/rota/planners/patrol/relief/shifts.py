@@ -24,7 +24,7 @@ from rota.planners.patrol.tolerances import SAME_ROUND
 Floats = NDArray[np.float64]
 
 MOST_ROUNDS_MORE = 8  # than a job has at least, that are looked at
-MOST_JOBS = 12  # of a slot in a turn
+MOST_JOBS = 12  # of a slot, or periods of a circuit, in a turn
 MOST_TURNS = 4_000  # lengths of turns that are compared
 
 

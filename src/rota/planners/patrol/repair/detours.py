@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LONG_LEG = 4.0  # reaches: a leg so long is left and come back to where a detour is nearest
-FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
+FIRST_DETOURS = 2  # legs for which ways round obstacles are measured at once, at first; then twice as many each time
 
 
 def visit_places(
@@ -134,7 +134,7 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
     first, count = 0, FIRST_DETOURS
     while first < len(order):
         some = order[first : first + count]
-        first, count = first + count, min(2 * count, MOST_DETOURS)
+        first, count = first + count, 2 * count
         if straight_m[some[0]] > best[0] + ON_LINE_M:
             break
         ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]

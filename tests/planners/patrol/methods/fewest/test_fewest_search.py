@@ -16,7 +16,7 @@ from rota.planners.patrol import context as context_module, planner as planner_m
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.efforts import EFFORTS, QUICK
+from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.fewest.search import fewest_robots, reduce_team, with_less_effort
@@ -58,9 +58,9 @@ def never_content(plan: Plan) -> Verdict:
 def hasty(context: Context) -> Context:
     """The search with hardly any moves, and a judge whom nothing suits."""
     settings = replace(
-        QUICK,
-        screening=replace(QUICK.screening, moves=10),
-        annealing=replace(QUICK.annealing, moves=10),
+        EFFORTS["quick"],
+        screening=replace(EFFORTS["quick"].screening, moves=10),
+        annealing=replace(EFFORTS["quick"].annealing, moves=10),
     )
     return replace(context, settings=settings, judge=never_content)
 
@@ -79,7 +79,7 @@ def test_fewer_robots_on_ragged_ground_are_looked_for_where_the_settings_say_so(
     found = reduce_team(ragged, None)
     assert check_plan(found.plan).verdict == "met"
     assert not any("trying" in what for what in told)
-    searches = replace(QUICK, team_size=replace(QUICK.team_size, searches_ragged=True))
+    searches = replace(EFFORTS["quick"], team_size=replace(EFFORTS["quick"].team_size, searches_ragged=True))
     reduce_team(replace(ragged, settings=searches, should_stop=lambda: any("trying" in what for what in told)), None)
     assert any("trying" in what for what in told)
 

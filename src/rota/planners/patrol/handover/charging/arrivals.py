@@ -21,7 +21,6 @@ Floats = NDArray[np.float64]
 
 POINTS = 240  # of a round at which robots may come into it, beside its corners
 FINER = 12  # moments between two of them that are tried
-LEFT_S = 1e-6  # of driving, that must be left beyond what is needed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,17 +53,14 @@ class Flyer:
 class Arrival:
     """How a robot comes into a round: so far round at ``joins_s``, from ``leaves_s`` on, by way of a charger, if any.
 
-    unserved_s: how long nobody flies in its place until then; inf: it never can.
+    unserved_s: how long nobody flies in its place until then; inf: it never can, as by default.
     """
 
-    joins_s: float
-    phase_s: float
-    leaves_s: float
-    via: Charger | None
-    unserved_s: float
-
-
-NEVER = Arrival(joins_s=math.inf, phase_s=0.0, leaves_s=0.0, via=None, unserved_s=math.inf)
+    joins_s: float = math.inf
+    phase_s: float = 0.0
+    leaves_s: float = 0.0
+    via: Charger | None = None
+    unserved_s: float = math.inf
 
 
 class Needs:
@@ -170,7 +166,7 @@ class Arrivals:
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
-        needs_s, best = self._needs.at(phases_s) + LEFT_S, NEVER
+        needs_s, best = self._needs.at(phases_s) + SHORTEST_S, Arrival()
         for via in (None, *self._chargers):
             if via is not None and one.charger is via:
                 continue
@@ -180,11 +176,11 @@ class Arrivals:
             stays_s = np.where(np.abs(stays_s) <= SHORTEST_S, 0.0, stays_s)
             if charger is None:
                 left_s = np.where(stays_s >= 0, one.level_s - one.standing * stays_s, np.nan)
-            elif one.level_s - to_s < one.robot.battery.reserve_s + LEFT_S * (to_s > 0):
+            elif one.level_s - to_s < one.robot.battery.reserve_s + SHORTEST_S * (to_s > 0):
                 continue
             else:
                 left_s = one.level_after_s(one.level_s - to_s, stays_s, charger)
-            is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - LEFT_S, needs_s)
+            is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - SHORTEST_S, needs_s)
             if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
                 served_s = self._service_s(np.array([now_s, now_s + moments_s[first]]))
                 best = Arrival(

@@ -15,6 +15,7 @@ from rota.model.mission import TOUCH_M, Charger
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer
 from rota.planners.patrol.handover.charging.timetables import (
+    FAR,
     Round,
     Timetable,
     circulations,
@@ -22,17 +23,14 @@ from rota.planners.patrol.handover.charging.timetables import (
     stay_at,
     timetables_of,
 )
-from rota.planners.patrol.handover.rounds import is_clear
+from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
-SHIFTS = 6  # of a timetable that are tried
-HALVINGS = 3  # of the step between shifts that are tried beside the best one
 STEPS = 200  # of a hundredth, by which turns are longer than they would be if no robot waited
-FAR = 1e9  # seconds: what a robot that never comes into a round counts as
 LATER = 1e-3  # what a second counts as until a robot is in its round while nobody is missed
 
 
@@ -152,8 +150,8 @@ class _Takeover:
         if empty_s <= 0:
             yield from (plan for _, _, plan in found)
             return
-        step_s = empty_s / SHIFTS
-        for late_s in step_s * np.arange(1, SHIFTS + 1):
+        step_s = empty_s / PHASES
+        for late_s in step_s * np.arange(1, PHASES + 1):
             look(float(late_s))
         for _ in range(HALVINGS):
             if not found:

@@ -28,7 +28,7 @@ from rota.routes.moments import go_on
 Floats = NDArray[np.float64]
 
 MISSED_S = 1e-7  # by which a robot may be charged too late for a flight: rounding
-NEVER = 1e12  # seconds that a robot would wait for a flight that begins at another charger
+FAR = 1e9  # seconds: what a flight from another charger, or a round that a robot never comes into, counts as
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,7 +162,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
     waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
     waits_s[waits_s > turn_s - MISSED_S] = 0.0
     same = np.array([[one.charger == other.charger for other in flights] for one in flights])
-    _, after = linear_sum_assignment(np.where(same, waits_s, NEVER))
+    _, after = linear_sum_assignment(np.where(same, waits_s, FAR))
     rounds, left = [], set(range(len(flights)))
     while left:
         k = min(left)

@@ -23,7 +23,7 @@ from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.large.rings import ring_over
 from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_measures
 from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turn_shape, turning
-from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_itself, not_more, sequential
+from rota.planners.patrol.methods.sweeping.methods import BALANCING, burden, load, meets_itself, not_more, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tolerances import ON_LINE_M, ROUNDING
@@ -37,7 +37,6 @@ MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders
 SHORTEST = 20.0  # reaches that a robot can drive in a period: with less, it hardly moves or is all turns
 MOST_TRIES = 8  # numbers of robots
 EVEN_ENOUGH = 1.05  # multiples of the robots that all lengths together take up to which districts are not evened out
-BALANCING = 6  # rounds in which districts are weighed anew by the lengths of their routes
 ROWS_WORTH = 1.25  # multiples of the robots that perfect lanes take up to which rows are tried before boxes
 ROWS_ENOUGH = 1.1  # up to which boxes are not tried after them: they seldom come below
 LAYING = 3  # times that rows are laid, for lengths that loops came to

@@ -7,8 +7,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from rota.planners.patrol.methods.sweeping.lanes import GRID_M, polygons, shared_m, slabs
-from rota.planners.patrol.tolerances import CUT_M
+from rota.planners.patrol.methods.sweeping.lanes import polygons, shared_m, slabs
+from rota.planners.patrol.tolerances import CUT_M, ON_LINE_M
 
 Floats = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def cells(shape: Polygon) -> list[Polygon]:
                 grown.append(cell)
             now.append((part, cell))
         open_below = now
-    return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=GRID_M))]
+    return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=ON_LINE_M))]
 
 
 def shared_borders(parts: list[Polygon], others: list[Polygon]) -> NDArray[np.bool_]:

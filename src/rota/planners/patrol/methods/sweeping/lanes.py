@@ -21,7 +21,6 @@ from rota.planners.patrol.tolerances import BESIDE_M, HAIR_M, ON_LINE_M, SAME_PL
 
 Floats = NDArray[np.float64]
 
-GRID_M = 1e-7
 FEW_CORNERS = 100  # of a shape: with more it is halved before it is cut into slabs, each of which costs all corners
 
 
@@ -70,7 +69,7 @@ def turn_shape(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
 
 def ground_turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
     """Ground turned about the origin, its corners moved onto a grid so fine that it stays valid whatever the angle."""
-    return off_grid(shapely.set_precision(turn_shape(shape, angle_rad), GRID_M))
+    return off_grid(shapely.set_precision(turn_shape(shape, angle_rad), ON_LINE_M))
 
 
 def off_grid(shape: BaseGeometry) -> BaseGeometry:
@@ -104,7 +103,7 @@ def slab(shape: BaseGeometry, low_m: float, high_m: float) -> list[Polygon]:
     if shape.is_empty:
         return []
     left, _, right, _ = shape.bounds
-    cut = shapely.intersection(shape, shapely.box(left - 1, low_m, right + 1, high_m), grid_size=GRID_M)
+    cut = shapely.intersection(shape, shapely.box(left - 1, low_m, right + 1, high_m), grid_size=ON_LINE_M)
     parts = polygons(cut)
     return sorted(parts, key=lambda part: part.bounds)
 
@@ -142,7 +141,7 @@ def strips(shape: BaseGeometry, width_m: float) -> tuple[list[float], list[float
 
 def shared_m(one: Polygon, other: Polygon) -> float:
     """Length of the border that two parts of neighbouring slabs share."""
-    return float(shapely.intersection(one, other, grid_size=GRID_M).length)
+    return float(shapely.intersection(one, other, grid_size=ON_LINE_M).length)
 
 
 def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Floats]:

@@ -35,7 +35,7 @@ from rota.planners.patrol.tours.tour import Tour, tour_length_m
 Floats = NDArray[np.float64]
 Sweeping = Callable[[Problem, SweepGround, float, int | None], list[Tour] | None]  # see the methods of this module
 
-BALANCING = 4  # rounds in which strips and sub-areas are made more alike
+BALANCING = 6  # rounds in which strips, sub-areas and districts are made more alike
 MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 

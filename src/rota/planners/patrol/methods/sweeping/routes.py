@@ -15,10 +15,9 @@ from shapely.geometry.base import BaseGeometry
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.initial.first_tours import distances
+from rota.planners.patrol.initial.first_tours import MOST_ORDERED, distances
 from rota.planners.patrol.methods.sweeping.boustrophedon import cells
 from rota.planners.patrol.methods.sweeping.lanes import (
-    GRID_M,
     Swath,
     ground_turned,
     lanes_in,
@@ -26,13 +25,13 @@ from rota.planners.patrol.methods.sweeping.lanes import (
     turn_shape,
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.tolerances import ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_ENDS = 4000  # beyond as many lane ends the order is that of the strips
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
 )
@@ -64,8 +63,8 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
     for part in problem.paths.parts:
         body_m = problem.robot.body_radius_m
         claim = part.buffer(1.05 * body_m, join_style="mitre") if body_m > 0 else part
-        claims.append(shapely.difference(claim, taken, grid_size=GRID_M))
-        taken = shapely.union(taken, claim, grid_size=GRID_M)
+        claims.append(shapely.difference(claim, taken, grid_size=ON_LINE_M))
+        taken = shapely.union(taken, claim, grid_size=ON_LINE_M)
     swept = []
     for group in groups:
         shapes = [
@@ -73,11 +72,11 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
             for region, c in zip(problem.regions, problem.region_class, strict=True)
             if c in group and region.demand == "every_point"
         ]
-        shape = smooth(shapely.union_all(shapes, grid_size=GRID_M), 0.02 * problem.reach_m)
+        shape = smooth(shapely.union_all(shapes, grid_size=ON_LINE_M), 0.02 * problem.reach_m)
         visits = problem.points.xy_m[(problem.points.visit_m > 0) & np.isin(problem.points.period, group)]
         parts = problem.paths.part_of(visits)
         for part, claim in enumerate(claims):
-            own = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
+            own = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=ON_LINE_M)))
             if problem.lanes_overlap_m > 0:
                 own = without_small_holes(own, problem.reach_m)
             stops = visits[parts == part]
@@ -207,8 +206,8 @@ def without_a_side(
         return
     for a, b in ((left - 1, left + width_m), (right - width_m, right + 1)):
         strip = shapely.box(a, low - 1, b, high + 1)
-        side = polygons(shapely.intersection(upright, strip, grid_size=GRID_M))
-        rest = polygons(shapely.difference(upright, strip, grid_size=GRID_M))
+        side = polygons(shapely.intersection(upright, strip, grid_size=ON_LINE_M))
+        rest = polygons(shapely.difference(upright, strip, grid_size=ON_LINE_M))
         if side and rest:
             yield turn_shape(MultiPolygon(side), angle_rad), turn_shape(MultiPolygon(rest), angle_rad)
 
@@ -281,7 +280,7 @@ def driving_order(problem: Problem, lanes: list[Floats]) -> list[tuple[int, bool
     A short tour over all lane ends in which the two ends of a lane always follow each other: their distance is so far
     below zero that no exchange parts them. Very many lanes are driven to and fro in the order given.
     """
-    if 2 * len(lanes) > MOST_ENDS or len(lanes) == 1:
+    if 2 * len(lanes) > MOST_ORDERED or len(lanes) == 1:
         return [(k, k % 2 == 1) for k in range(len(lanes))]
     apart = distances(problem, np.array([[lane[0], lane[-1]] for lane in lanes]).reshape(-1, 2)).copy()
     pairs = np.arange(0, len(apart), 2)

@@ -18,6 +18,7 @@ from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
+from rota.planners.patrol.ground.keeping_off import QUARTER_CORNERS
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -29,7 +30,6 @@ ON_THE_RIGHT = 0.5  # of a body: whoever is farther than this to the right of a 
 MOST_STEPS = 3  # in which tours move apart
 BEND_SAMPLES = 12  # a line may bend back beside this many samples before and after a place
 SAMPLES_PER_BODY, MOST_POINTS = 4, 20_000  # of a line: per body radius, and over all tours
-QUARTER_CORNERS = 3  # of a quarter turn round a robot that stays
 STRAIGHTENING = 0.02  # of a body: points of a route that stand out less are left out
 
 

@@ -13,13 +13,13 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.planners.patrol.driving.timed_line import start_at, steady
+from rota.planners.patrol.tolerances import TIE
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
 
 Floats = NDArray[np.float64]
 
 WIDEST = 0.25  # of two bodies: a loop that fits in no circle of that radius is timed like any other
-SAME = 1e-12  # headways that differ by this share of them are equal
 PIECE = 0.05  # of two bodies: legs are told near or not in pieces no longer than this
 
 
@@ -49,7 +49,7 @@ def round_between(loop: Loop, waits_at: int, others: Sequence[tuple[Loop, Timed]
     line = line_of(loop.places_m)
     near = [(other, how) for other, how in others if shapely.distance(line_of(how.line.places_m), line) < apart_m]
     headways_s = [how.line.duration_s / other.robots for other, how in near]
-    if not near or min(headways_s) == 0 or max(headways_s) - min(headways_s) > SAME * max(headways_s):
+    if not near or min(headways_s) == 0 or max(headways_s) - min(headways_s) > TIE * max(headways_s):
         return None  # who stays is always near
     headway_s = headways_s[0]
     free = longest_free(np.vstack([near_times(how, line, apart_m) for _, how in near]), headway_s)
