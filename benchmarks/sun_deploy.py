@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
+from benchmarks.sun_tables import TABLE_2
 from rota.files.mission_file import read_mission
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 
 SEEDS = range(5)
 MOST_SENSORS, MOST_S, MOST_EXACT = 96, 60, 89

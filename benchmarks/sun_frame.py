@@ -16,12 +16,12 @@ import numpy as np
 
 from benchmarks.peer_environment import peer_answer
 from benchmarks.row import Options, Row
+from benchmarks.sun_tables import TABLE_2, TABLE_3, TABLE_4
 from benchmarks.warm_cache import measured_warm
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour, tour_length
 from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
-from rota.planners.patrol.methods.sun2019.mission_settings import LEAST_WEIGHT, MOST_WEIGHT
+from rota.planners.patrol.methods.sun2019.mission_settings import SegmentSettings
 from rota_studies.page import claims, listed, made_from
 from rota_studies.section import Section
 from rota_studies.sun2019 import paper
@@ -59,10 +58,11 @@ OURS = (
     "leads to its own first one. The discs are covered without that leg; but the five routes of Table 5 are 2,128 m "
     "long together, and round a frame of 1,027 m without five of its 96 legs they would hardly be (2 × 974 m + 5 × "
     "31.4 m = 2,105 m before bends save anything). We keep the legs; Figure 14's last table has both readings.",
-    f"**ξ₁ = {TABLE_4.weight_late:g}.** The paper's plans bound it. Table 6 prints 10.95 s for a single route of zone "
-    "1 in five cases; at the 8 s of Section 5.1 that route would be late by 3.45 s, the margin counted, and two routes "
-    f"are called cheaper: ξ₁ ≥ 320, and ≥ {LEAST_WEIGHT:g} where the spare 1.42 s goes to the rest. In Case 6 routes "
-    f"are late by 5.76 s, and a plan without that is called dearer: ξ₁ ≤ {MOST_WEIGHT:g} if two routes more would do. "
+    f"**ξ₁ = {SegmentSettings().weight_late:g}.** The paper's plans bound it. Table 6 prints 10.95 s for a single "
+    "route of zone 1 in five cases; at the 8 s of Section 5.1 that route would be late by 3.45 s, the margin counted, "
+    f"and two routes are called cheaper: ξ₁ ≥ 320, and ≥ {paper.LEAST_WEIGHT:g} where the spare 1.42 s goes to the "
+    "rest. In Case 6 routes are late by 5.76 s, and a plan without that is called dearer: "
+    f"ξ₁ ≤ {paper.MOST_WEIGHT:g} if two routes more would do. "
     "We take a value between; Figure 14's last table has both ends. With 10,000 Case 6 as printed would cost 68,807.",
     "**One frame for all cases.** 10.95 s stands five times in Table 6, 38.22 s and 9.33 s twice, equal to the digit: "
     "the paper seems to have used one frame for all its cases, though zones are deployed in the order of their "

@@ -68,6 +68,8 @@ SENSORS_WITH_RULES, SENSORS_WITHOUT_RULES = 99, 103
 CROSSINGS_EUCLIDEAN, CROSSINGS_GRAPH = 8, 2
 # Table 4, against the text beside Figures 13 and 16
 TABLE_4_ITERATIONS = 50
+# between which its own plans have xi_1 of Eq. 28, see ``SegmentSettings``
+LEAST_WEIGHT, MOST_WEIGHT = 362.0, 523.0
 
 FIGURE_13 = PaperRun(
     sensors=(10, 15, 71), first_cost=5743, last_cost=3600, cost_iteration=139, tour_length=61_025.99,

@@ -10,8 +10,7 @@ import numpy as np
 
 from rota.model.mission import Mission
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
-from rota.planners.patrol.methods.sun2019.mission_settings import LEAST_WEIGHT, MOST_WEIGHT
+from rota.planners.patrol.methods.sun2019.mission_settings import SegmentSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota_studies.sun2019 import paper
 from rota_studies.sun2019.cases import with_late, with_late_spread
@@ -23,7 +22,7 @@ from rota_studies.verdict import spread
 
 LOCAL_SEARCH = "local search (ours)"
 NEVER_LATE = 1e6  # xi_1 at which a millisecond costs as much as a robot
-WEIGHTS = (LEAST_WEIGHT, TABLE_4.weight_late, MOST_WEIGHT, NEVER_LATE)
+WEIGHTS = (paper.LEAST_WEIGHT, SegmentSettings().weight_late, paper.MOST_WEIGHT, NEVER_LATE)
 AS_HERE, LETTER = "as here", "all three, the letter of Algorithm 1"
 Asked = tuple[paper.PaperCase, Mission, MethodSettings]
 

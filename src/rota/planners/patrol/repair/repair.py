@@ -40,8 +40,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-MOST_STUCK = 4  # rounds in which as many places are unmet as before
-MOST_REROUTES = 3  # times that tours are led another way because bodies touch
+MOST_STUCK = 4  # rounds in which as many places are unmet as before, or tours are led another way as bodies touch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +157,7 @@ def repair_until_feasible(
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
             continue
         # all is seen, but bodies touch
-        apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_REROUTES else None
+        apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_STUCK else None
         if apart is None:
             break
         tours, reroutes, stuck, missed = apart, reroutes + 1, 0, None

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.sun_tables import TABLE_2
 from scipy import stats
 from shapely import MultiPolygon, box
 
@@ -21,7 +22,7 @@ from rota.planners.patrol.methods.sun2019.ccpso2 import (
     neighbourhood,
 )
 from rota.planners.patrol.methods.sun2019.cells import cells_of, ground_for, lattice_over
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.rule_kernels import Group, MovementLaw, Terrain
 from rota.planners.patrol.methods.sun2019.swarm_kernels import Particles, Swarms
 from rota.planners.patrol.methods.sun2019.update_kernels import VelocityLaw

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from benchmarks.sun_tables import TABLE_2
 from shapely import MultiPolygon, Point, Polygon, box
 
 from rota.errors import MissionError, NoPlanFound
@@ -16,7 +17,7 @@ from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 
 EXAMPLES = Path(__file__).parents[5] / "examples"
 GREEDY = DeploySettings(method="greedy")

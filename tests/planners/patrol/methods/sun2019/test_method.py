@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.missions import EXAMPLES
+from benchmarks.sun_tables import TABLE_2, TABLE_3, TABLE_4
 from shapely import LinearRing, LineString, MultiPolygon, box
 
 import rota
@@ -20,8 +21,8 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.methods.sun2019.mission_settings import SensorSettings, Sun2019
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings

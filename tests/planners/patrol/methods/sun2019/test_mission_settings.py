@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from benchmarks.sun_tables import TABLE_3, TABLE_4
 
 from rota.errors import MissionError, PlanError
 from rota.files.mission_file import read_mission
@@ -17,7 +18,6 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4
 from rota.planners.patrol.methods.sun2019.mission_settings import (
     FrameSettings,
     SegmentSettings,

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks.sun_tables import TABLE_4
 
 from rota.errors import MissionError
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import (
     normalised_lengths,
     partition_frame,

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.sun_tables import TABLE_4
 
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
 
 SMALL = replace(TABLE_4, swarms=40, particles=100)

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.sun_tables import TABLE_4
 from shapely import box
 
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.pso import rules_of
 from rota.planners.patrol.methods.sun2019.pso_kernels import cost_of

@@ -6,9 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
+from benchmarks.sun_tables import TABLE_3
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3
 from rota.planners.patrol.methods.sun2019.genetic import genetic_tour
 from rota.planners.patrol.methods.sun2019.genetic_kernels import closed_length, reversal_gain, reverse, slide, swap
 

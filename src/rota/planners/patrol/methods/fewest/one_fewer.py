@@ -13,8 +13,6 @@ from rota.planners.patrol.methods.fewest.racing import first_to_pass
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, excesses, tour_length_m
 
-UNSEEN_LIMIT = 0.01  # share of the ground: tours that leave more unseen hardly ever pass after repairs
-
 
 def give_up_robots(context: Context, best: Repaired, fewer: int = 1) -> Repaired | None:
     """A plan with so many robots less that the judge passes, begun with the tours of the best plan so far; or None.
@@ -28,7 +26,8 @@ def give_up_robots(context: Context, best: Repaired, fewer: int = 1) -> Repaired
     begun, moves = list(tours_with_fewer(best.tours, fewer)), context.settings.screening.moves
     tried = anneal_all(context, begun, moves=moves, seed=seed, coarse=False)
     nearest = sorted(tried, key=lambda search: search.shortfall_m)[:1]
-    return first_to_pass(context, [s for s in nearest if s.unseen_share <= UNSEEN_LIMIT], seed=seed)
+    most = context.settings.alternation.unseen_limit
+    return first_to_pass(context, [s for s in nearest if s.unseen_share <= most], seed=seed)
 
 
 def leave_out_needless_robots(context: Context, found: Repaired) -> Repaired:

@@ -1,4 +1,4 @@
-"""Settings of sensor deployment by one algorithm, and those of Sun et al. 2019's Table 2."""
+"""Settings of sensor deployment by one algorithm (Sun et al. 2019)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,3 @@ class DeploySettings(SensorSettings):
     def without_rules(self) -> DeploySettings:
         """The same without the heuristic rules: the normal CCPSO2 of Figure 6b."""
         return replace(self, addition=False, movement=False, deletion=False, fusion=False)
-
-
-TABLE_2 = DeploySettings(iterations=150, swarms=30, particles=50, sensors_max=160)
-"""Table 2: Figure 13's parameters."""

@@ -1,4 +1,4 @@
-"""Settings of the frame and of its partition by one algorithm, and those of Sun et al. 2019's Tables 3 and 4."""
+"""Settings of the frame and of its partition by one algorithm (Sun et al. 2019)."""
 
 from __future__ import annotations
 
@@ -41,8 +41,3 @@ class PartitionSettings(SegmentSettings):
     method: FramePartition = setting("exact")
     times: Literal["estimate", "routes"] = setting("estimate")
     too_few: TooFew = setting("least_late")
-
-
-TABLE_3 = TourSettings(method="genetic", generations=10_000, population=600)
-
-TABLE_4 = PartitionSettings(method="pso", times="routes", joining_legs=True, margin_s=0.5)

@@ -169,9 +169,9 @@ class SegmentSettings(Settings):
     13 from Table 5 (5709.0, and its times are rounded); the cost 9343.48 of Figure 16 would follow (9344) if one of
     Table 8's times were a second too long (9244 as printed). xi_1 is bounded by what the paper's plans leave undone.
     Table 6 prints 10.95 s for a single route of zone 1 in five cases; at the 8 s of Section 5.1 it is late by 3.45 s,
-    the margin counted, and two routes instead are called cheaper: xi_1 is at least 320, and ``LEAST_WEIGHT`` where the
-    spare 1.42 s goes to the rest. In Case 6 routes are late by 5.76 s and a plan without that is called dearer: at most
-    ``MOST_WEIGHT`` if two routes more would have been enough. The default lies between them. 10,000 would make Case 6
+    the margin counted, and two routes instead are called cheaper: xi_1 is at least 320, and 362 where the spare
+    1.42 s goes to the rest. In Case 6 routes are late by 5.76 s and a plan without that is called dearer: at most
+    523 if two routes more would have been enough. The default lies between them. 10,000 would make Case 6
     as printed cost 68,807.
 
     joining_legs: Eq. 22 has segments from one termination point to the next. The sensors' discs are covered without the
@@ -219,9 +219,6 @@ def _in_order(
         allowed = f"it must be {'at most' if equal else 'less than'} {high}, {show_value(told[high])}"
         yield (low,), f"{show_value(told[low])} is not allowed; {allowed}"
 
-
-LEAST_WEIGHT, MOST_WEIGHT = 362.0, 523.0
-"""Between which the paper's own plans have xi_1 of Eq. 28, see ``SegmentSettings``."""
 
 _OF_EVERY_DEPLOYMENT = ("cell_m", "border_cells")
 _OF_GENETIC = ("generations", "population", "regroup_every", "reversal_tries")

@@ -1,0 +1,10 @@
+"""The settings that Sun et al. 2019 print: Tables 2, 3 and 4, for its Figure 13."""
+
+from __future__ import annotations
+
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+
+TABLE_2 = DeploySettings(iterations=150, swarms=30, particles=50, sensors_max=160)
+TABLE_3 = TourSettings(method="genetic", generations=10_000, population=600)
+TABLE_4 = PartitionSettings(method="pso", times="routes", joining_legs=True, margin_s=0.5)
