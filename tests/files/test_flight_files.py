@@ -26,7 +26,6 @@ from tests.files.test_vda5050_orders import drive
 from tests.relieved import SQUARE_M, relieved
 
 from rota import export_plan
-from rota.command.executed import executed_plan
 from rota.errors import PlanError, RotaError
 from rota.exports import FORMATS
 from rota.files.timed_places import START
@@ -210,5 +209,3 @@ def test_each_format_tells_flights_or_the_whole_by_a_clock_or_refuses(name: str,
         assert rows_of(export_plan(plan, name, tmp_path / "out"))
     else:
         assert kind.folder is None, "a folder has what vehicles are sent, for ever"
-    with pytest.raises(RotaError, match="--executed: not allowed for a plan whose robots charge"):
-        executed_plan(plan, name)

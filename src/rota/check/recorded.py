@@ -70,7 +70,8 @@ def check_recording(
 
     findings = findings_by_group(mission, demands, sights_by, finest_m)
     excluded = too_much_excluded(mission, demands, findings)
-    verdicts, not_judged = Verdicts(), []
+    verdicts = Verdicts()
+    not_judged = ["batteries: a recording is judged by what was seen"] if mission.chargers else []
     for found, demand in zip(findings, demands, strict=True):
         number = len(verdicts.demands)
         if demand.period_s > to_s - from_s:

@@ -48,12 +48,14 @@ class AsPlanned:
 class Executed(AsPlanned):
     """A plan as a format drives it, and a sentence on what differs from the plan.
 
-    off_m: how far places are off the plan's routes. drifts: whether rounds take another time than planned.
+    off_m: how far places are off the plan's routes. drifts: whether rounds, or single flights where it
+    has_flights, take another time than planned.
     """
 
     told: str
     off_m: float
     drifts: bool
+    has_flights: bool = False
 
     def text(self, report: Report) -> str:
         """The report as plain text, with the worst violation of each kind."""
@@ -73,19 +75,25 @@ class Executed(AsPlanned):
         rounded = "places are rounded by up to {} m"
         what = "places are up to {} m off the curves past corners" if planned.heeds_motion else rounded
         causes = [what.format(f"{self.off_m:.2g}")] if self.off_m > 0 else []
-        causes += ["rounds take another time than planned"] if self.drifts else []
+        causes += (
+            [f"{'flights' if self.has_flights else 'rounds'} take another time than planned"] if self.drifts else []
+        )
+        causes += ["flights start at whole milliseconds"] if self.has_flights else []
         return f"the plan itself is met; all violations come of what the format holds: {' and '.join(causes)}"
 
 
 def executed_plan(plan: Plan, name: str) -> Executed:
     """The plan as a format drives it. Raises RotaError for a format whose files are judged when they are written."""
+    from rota.exports import FORMATS
     from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
+    from rota.routes.flights import recharges
 
-    require_no_flights(plan)
     if name == "create2-reactive":
         raise RotaError(f"--executed: {name!r} is not allowed: such programs drive no plan")
     if name not in DRIVEN:
         raise RotaError(f"--executed: {name!r} is not allowed: such files are judged as driven when they are written")
+    if recharges(plan) and FORMATS[name].charging == "flights":
+        return _executed_flights(plan, name)
     made = plan_as_driven(plan, name)
     off_m = max((_off_m(*pair) for pair in zip(plan, made, strict=True)), default=0.0)
     told = f"as {name} drives it, places are up to {off_m:.2g} m off the plan's routes"
@@ -104,15 +112,31 @@ def executed_plan(plan: Plan, name: str) -> Executed:
     return Executed(plan=made, told=told, off_m=off_m, drifts=drifts)
 
 
-def require_no_flights(plan: Plan) -> None:
-    """Raise RotaError for a plan whose robots charge."""
+def _executed_flights(plan: Plan, name: str) -> Executed:
+    """The plan as a format's single flights drive it, each started when the table of flights says."""
+    from rota.files.executed.plan_as_driven import flights_as_driven
+
+    made, flown = flights_as_driven(plan, name)
+    off_m = max((_off_m(*pair) for pair in zip(plan, made, strict=True)), default=0.0)
+    told = f"as {name} flies its single flights, places are up to {off_m:.2g} m off the plan's routes"
+    drifts = False
+    if flown:
+        first, last = (pick(flown, key=lambda one: one.longer_s) for pick in (min, max))
+        drifts = max(abs(first.longer_s), abs(last.longer_s)) >= SAME_S
+        told += (
+            f"; flights last {first.longer_s:+.2g} s ({first.name}) to {last.longer_s:+.2g} s ({last.name}) longer than"
+            " planned, and each starts when flights.csv says"
+        )
+    told += "; no file says how full batteries are: they are followed as the mission has them"
+    return Executed(plan=made, told=told, off_m=off_m, drifts=drifts, has_flights=True)
+
+
+def require_no_flights(plan: Plan, option: str, why: str) -> None:
+    """Raise RotaError for an option that a plan whose robots charge does not take, and why."""
     from rota.routes.flights import recharges
 
     if recharges(plan):
-        raise RotaError(
-            "--executed: not allowed for a plan whose robots charge: formats have its single flights, which are not"
-            " judged; rota check without it judges the plan"
-        )
+        raise RotaError(f"{option}: not allowed for a plan whose robots charge: {why}")
 
 
 def table_of_worst(report: Report) -> str:
@@ -150,6 +174,7 @@ def in_phase_every(plan: Plan, made: Plan, every_s: float) -> Plan:
     """
     from rota.check.routes import commensurable_classes
 
+    require_no_flights(plan, "--in-phase-every", "each of its flights starts at a time of its own")
     if not 0 < every_s < math.inf:
         raise RotaError(f"--in-phase-every: {every_s:g} is not allowed; seconds are needed, more than 0")
     planned_s = [trajectory.loop_duration_s for trajectory in plan]

@@ -161,7 +161,7 @@ def fly_by(
     from rota.vehicles.presets import vehicle_named
 
     export_format(name, "--executed")
-    require_no_flights(plan)
+    require_no_flights(plan, "--vehicle", "without it its single flights are judged as files have them")
     known, winds = vehicle_named(vehicle), _winds_of(plan) if wind is None else _winds_given(wind)
     if origin is not None:
         plan = place_for(plan, origin, name)

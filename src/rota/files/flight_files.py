@@ -45,6 +45,11 @@ def write_flights(
     return (*paths, table)
 
 
+def time_in_table(time_s: float) -> float:
+    """A time as the table has it, to the millisecond."""
+    return round(time_s, 3)
+
+
 def flights_table(flights: Sequence[Flight], files: Sequence[Sequence[Path]]) -> str:
     """The text of the table: a row for each flight, in the order in which they begin; times in seconds to the ms."""
     serves = service_of(flights).serves
@@ -60,14 +65,14 @@ def flights_table(flights: Sequence[Flight], files: Sequence[Sequence[Path]]) ->
                     " ".join(path.name for path in files[k]),
                     flight.robot,
                     flight.number,
-                    round(flight.starts_s, 3),
-                    round(flight.every_s, 3) or "",
-                    round(flight.lasts_s, 3),
+                    time_in_table(flight.starts_s),
+                    time_in_table(flight.every_s) or "",
+                    time_in_table(flight.lasts_s),
                     round(length_m, 3),
                     loop_letter(serves[k]),
                     flight.from_charger or "",
                     flight.charger,
-                    round(flight.charges_s, 3),
+                    time_in_table(flight.charges_s),
                 ]
             )
         )

@@ -6,12 +6,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rota.check.recorded import RecordedTrack
 from rota.live.ages import is_jump
 from rota.live.events import Event, Heard, Tick
+from rota.live.reliefs import AT_CHARGER_M
 from rota.live.settings import WatchSettings
 from rota.model.plan import Plan
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +31,8 @@ def recording_of(plan: Plan, events: Iterable[Event], settings: WatchSettings) -
     """The tracks of a log's events, by the rule of the watch.
 
     Two reports of a robot that follow each other are joined by a straight leg at constant speed, if they are at most
-    ``silent_s`` apart and the robot can have gone that way; else each counts for its moment alone.
+    ``silent_s`` apart and the robot can have gone that way; else each counts for its moment alone. A robot that stands
+    on a charger of its plan sees nothing; who only comes past it does.
     """
     robots = [plan.mission.fleet.robot(way.robot) for way in plan]
     rows: list[list[tuple[float, ...]]] = [[] for _ in robots]
@@ -52,11 +57,28 @@ def recording_of(plan: Plan, events: Iterable[Event], settings: WatchSettings) -
             start, there = event, here
         rows[event.robot].append((*there[:2], *here[:2], start.time_s, event.time_s, min(there[2], here[2])))
     tracks = []
-    for robot, driven in zip(robots, rows, strict=True):
+    for robot, driven, way in zip(robots, rows, plan, strict=True):
         table = np.array(driven, np.float64).reshape(-1, 7)
+        used = {charge.charger for charge in way.charges}
+        for charger in plan.mission.chargers:
+            if charger.name in used:
+                table = table[~_stands_at(charger.at, robot.speed_m_s, table)]
         tracks.append(
             RecordedTrack(robot=robot.name, legs_m=table[:, :4], times_s=table[:, 4:6], heights_m=table[:, 6])
         )
     from_s = max((way.loop_start_s for way in plan), default=0.0)
     window_s = (max(from_s, ticks[0]), ticks[-1]) if ticks else (from_s, from_s)
     return Recording(tracks=tuple(tracks), window_s=window_s, reports=reports)
+
+
+def _stands_at(place_m: tuple[float, float], speed_m_s: float, table: Floats) -> NDArray[np.bool_]:
+    """Which legs (n,) of a table (n, 7) of legs a robot spends at a charger: it is there for longer than to come past.
+
+    Who comes past it at half its speed is within ``AT_CHARGER_M`` on either side for so long.
+    """
+    ends_m = table[:, :4].reshape(-1, 2, 2) - place_m
+    near = np.all(np.hypot(ends_m[..., 0], ends_m[..., 1]) <= AT_CHARGER_M, axis=1)
+    changes = np.flatnonzero(np.diff(near, prepend=False, append=False))
+    for first, after in changes.reshape(-1, 2):
+        near[first:after] = table[after - 1, 5] - table[first, 4] > 2 * 2 * AT_CHARGER_M / speed_m_s
+    return np.asarray(near)

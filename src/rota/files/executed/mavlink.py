@@ -23,6 +23,7 @@ from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import (
     DO_CHANGE_SPEED,
     DO_JUMP,
+    LAND,
     LOITER_UNLIMITED,
     MOST_HOLD_S,
     TAKEOFF,
@@ -73,7 +74,7 @@ def read_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot
 
 
 def read_items(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autopilot) -> Told:
-    """What items tell, numbered from 1, which begin with a take-off and end with a jump or unlimited loitering.
+    """What items tell, numbered from 1, which begin with a take-off and end with a jump, loitering or a landing.
 
     The loop is what is flown between the second time and the third time that the jump comes: speeds of the first round
     may be the approach's. The vehicle flies at its own speed where none was commanded, and never faster. It takes off
@@ -110,10 +111,10 @@ def _stops(plan: Plan, robot: str, items: list[Item], autopilot: Autopilot) -> t
         elif command == DO_JUMP:
             jumps.append(len(stops))
             at = int(value) - 1
-        elif command in (TAKEOFF, WAYPOINT, LOITER_UNLIMITED):
+        elif command in (TAKEOFF, WAYPOINT, LOITER_UNLIMITED, LAND):
             hold_s = _hold_s(value, autopilot) if command == WAYPOINT else 0.0
             stops.append(RouteStop(place_m=places[at - 1], speed_m_s=speed_m_s if stops else None, hold_s=hold_s))
-            if command == LOITER_UNLIMITED:
+            if command in (LOITER_UNLIMITED, LAND):
                 return stops, len(stops), len(stops)
         else:
             raise PlanError(f"robot {robot}: command {command} is none that a route is made of")
