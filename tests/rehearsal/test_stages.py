@@ -49,7 +49,7 @@ def test_a_run_with_a_plan_that_takes_over_is_as_brute_force_has_it() -> None:
     tracks = [places_of(stages, robot, moments_s) for robot in range(3)]
     for robot, track_m in enumerate(tracks):
         steps_m = np.hypot(*np.diff(track_m[moments_s < stages[0].driven.fails_s[robot]], axis=0).T)
-        # nobody jumps where a plan takes over; who leaves out half of a second's wait makes the rest of it twice as fast
+        # nobody jumps where a plan takes over; who leaves out a wait of half a second is twice as fast
         assert np.nanmax(steps_m) <= 2 * STEP_S
     for stage, failed_s in zip(stages[1:], fails_s[:2], strict=True):
         assert TAKES_OVER_S <= stage.driven.times_s[:, 0].max() - failed_s <= TAKES_OVER_S + 3
