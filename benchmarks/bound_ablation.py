@@ -40,7 +40,6 @@ PROOFS: dict[str, tuple[str, Any]] = {
     "rates, with borders": ("swept_robots", (0.0, 0.0)),
     "groups of pieces": ("groups_bound", NOTHING),
     "straight chains": ("straight_chain_bound", NOTHING),
-    "cliques": ("clique_bound", NOTHING),
     "chains": ("chain_bound", NOTHING),
     "forests": ("forest_bound", NOTHING),
     "components": ("_by_components", NOTHING),

@@ -18,7 +18,6 @@ from rota.web.tiles import Tiles
 COOKIE = "rota-token"
 CHANGING = ("POST", "PUT", "PATCH", "DELETE")
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
-MOST_HEADERS = 64
 
 
 @dataclass(frozen=True, kw_only=True)

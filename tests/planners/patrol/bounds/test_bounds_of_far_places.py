@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rota.planners.patrol.bounds.chain_bound import best_chain, chain_robots, straight_chain
-from rota.planners.patrol.bounds.clique_bound import heaviest_clique, too_far_apart
 from rota.planners.patrol.bounds.forest_bound import shortest_tree, travel_robots
+from rota.planners.patrol.bounds.groups_bound import heaviest_clique, too_far_apart
 
 
 def ways(xy: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ from rota.geometry.free_space import DemandedRegion
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.area_bound import area_rate, rate_proof
 from rota.planners.patrol.bounds.chain_bound import chain_bound, straight_chain_bound
-from rota.planners.patrol.bounds.clique_bound import clique_bound
 from rota.planners.patrol.bounds.forest_bound import forest_bound
 from rota.planners.patrol.bounds.groups_bound import groups_bound
 from rota.planners.patrol.bounds.pieces import ground_pieces
@@ -114,7 +113,6 @@ def _by_witnesses(
 def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> Iterator[ProvedBound]:
     """Those of them that know no more of the places than how far apart each two of them are."""
     apart_m, speed_m_s = witnesses.apart_m, robot.ground_speed_m_s
-    yield clique_bound(apart_m, witnesses.period_s, speed_m_s)
     if np.isfinite(witnesses.way_m).all():
         yield chain_bound(witnesses.way_m, witnesses.spread_m, witnesses.period_s, speed_m_s)
     if visits:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,11 +15,10 @@ NEIGHBOURS = 12
 ROUNDING = 4 * np.finfo(np.float64).eps  # of the largest distance: by how much sums of four may be off
 
 
-def short_order(distance_m: Floats, should_stop: Callable[[], bool] = lambda: False) -> Ints:
+def short_order(distance_m: Floats) -> Ints:
     """Order (n,) of a short closed tour over n places, given their distances (n, n) in metres, symmetric and finite.
 
-    Nearest neighbour, then 2-opt and or-opt over the nearest places until neither helps, or until it is to stop; n <= 3
-    is any order.
+    Nearest neighbour, then 2-opt and or-opt over the nearest places until neither helps; n <= 3 is any order.
     """
     n = len(distance_m)
     if n <= 3:
@@ -32,7 +29,7 @@ def short_order(distance_m: Floats, should_stop: Callable[[], bool] = lambda: Fa
     order: Ints = nearest_neighbour_tour(distance_m)
     near = nearest_places(distance_m, NEIGHBOURS)
     least_m = max(SAME_PLACE_M, ROUNDING * float(np.abs(distance_m).max()))
-    while not should_stop() and improve_once(distance_m, near, least_m, order):
+    while improve_once(distance_m, near, least_m, order):
         pass
     return order
 
