@@ -23,8 +23,6 @@ from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, 
 from rota.planners.patrol.verdict import Judge
 from rota.planning.progress import Watch
 
-LOOPS_FOUND = 0.4  # of the time; loops for circuits, which are as short as can be, take longer
-
 
 class Search(Protocol):
     """How a mission without batteries is planned."""
@@ -45,7 +43,8 @@ def plan_that_charges(
     require_reach(mission)
     problem = set_up_problem(without_batteries(mission))
     bound = charging_bound(problem, mission)
-    loops = search(endless(mission), progress=share_of_progress(progress, 0.0, LOOPS_FOUND), watch=watch)
+    # loops for circuits, which are as short as can be, take longer
+    loops = search(endless(mission), progress=share_of_progress(progress, 0.0, 0.4), watch=watch)
     always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
     if clearance_of(mission) > 0:  # the search proved it for shorter periods than are asked
         always = prove_bound(problem)
@@ -58,7 +57,7 @@ def plan_that_charges(
         relieved = failure
     most = _most_on_circuits(mission, relieved, best.robots)
     if most > 0 and not should_stop():
-        told = share_of_progress(progress, LOOPS_FOUND, 1.0)
+        told = share_of_progress(progress, 0.4, 1.0)
 
         def search_part(part: Mission, /, *, begin: float, end: float) -> Plan:
             """A loop for one robot; nobody watches it, as it is no plan for the mission."""

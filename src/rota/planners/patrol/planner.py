@@ -43,7 +43,6 @@ from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reaso
 from rota.planning.progress import Watch
 from rota.planning.stopping import put_off
 
-SEARCHED = 0.5  # of the time, once robots are fewest: shorter loops take about as long as the search
 LAID_OUT_S = 6.0  # of processor time: a stop is put off by so much while the ground is laid out
 
 
@@ -195,7 +194,7 @@ def plan_tours(
     context = search(problem)
     goes_on = context.anneals and not context.keeps_first_tours and mission.fleet.robots is None
     if goes_on:
-        context = replace(context, progress=share_of_progress(progress, 0, SEARCHED))
+        context = replace(context, progress=share_of_progress(progress, 0, 0.5))  # shorter loops take about as long
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
@@ -214,7 +213,7 @@ def plan_tours(
         best = sweep(context, EFFORTS["quick"]) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
-    context = replace(context, progress=share_of_progress(progress, SEARCHED, 0.97))
+    context = replace(context, progress=share_of_progress(progress, 0.5, 0.97))
     best, better = with_loops_improved(context, best) if goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
 

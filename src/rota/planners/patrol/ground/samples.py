@@ -19,12 +19,11 @@ from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
-from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
+from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M, TO_SPARE
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 TOGETHER = 2_000  # places or points that one thread looks at
-MOST_CELLS = 4_000_000  # into which walls are sorted
-WALL_MARGIN = 0.001  # of the inner reach: walls count as longer by this at both ends
+MOST_CELLS = 4_000_000  # of any table: of those into which walls are sorted, or ground is cut, or of pairs of places
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -257,7 +256,7 @@ def lay_out(
         walls,
         reach_m=robot.sensor.reach_m,
         weight=points.area_m2 if weight is None else weight,
-        wall_margin_m=WALL_MARGIN * inner_reach_m(robot.sensor),
+        wall_margin_m=TO_SPARE * inner_reach_m(robot.sensor),
         known=known,
     )
     return points[order], samples, order

@@ -14,6 +14,7 @@ from rota.errors import NoPlanFound
 from rota.geometry import kernels as geometry_kernels
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
+from rota.planners.patrol.ground.samples import MOST_CELLS
 from rota.planners.patrol.methods.sun2019 import sight_kernels
 from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
@@ -21,7 +22,6 @@ from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SQUARES = 4_000_000
 SLIVER = 1e-9  # of a square, or in m2: what is smaller is rounding
 
 
@@ -86,11 +86,11 @@ def lattice_over(area: BaseGeometry, cell_m: float) -> Lattice:
     """
     x0, y0, x1, y1 = shapely.bounds(area)
     nx, ny = (max(1, int(np.ceil((high - low) / cell_m - 1e-9))) for low, high in ((x0, x1), (y0, y1)))
-    if nx * ny > MOST_SQUARES:
-        least_m = np.sqrt((x1 - x0) * (y1 - y0) / MOST_SQUARES)
+    if nx * ny > MOST_CELLS:
+        least_m = np.sqrt((x1 - x0) * (y1 - y0) / MOST_CELLS)
         raise NoPlanFound(
             f"cell_m: cells of {cell_m:.6g} m over {x1 - x0:.6g} m by {y1 - y0:.6g} m are {nx * ny}; at most"
-            f" {MOST_SQUARES} are allowed, so cells of about {least_m:.2g} m or more"
+            f" {MOST_CELLS} are allowed, so cells of about {least_m:.2g} m or more"
         )
     return Lattice(x0=float(x0), y0=float(y0), cell_m=cell_m, nx=nx, ny=ny)
 

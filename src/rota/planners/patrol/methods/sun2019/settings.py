@@ -42,7 +42,6 @@ class MethodSettings:
 BEST: dict[Effort, tuple[DeployMethod, ...]] = {
     "quick": ("greedy",), "normal": ("greedy", "exact"), "high": ("greedy", "exact", "ccpso2"),
 }  # fmt: skip
-FRAMES: dict[Effort, int] = {"quick": 1, "normal": 2, "high": 4}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
@@ -59,7 +58,7 @@ def stage_settings(stages: Sun2019, effort: Effort) -> MethodSettings:
         partition = PartitionSettings(method="pso", times="routes", **vars(stages.segments))
     return MethodSettings(
         deployments=tuple(DeploySettings(method=method, **vars(stages.sensors)) for method in methods),
-        frames=FRAMES[effort],
+        frames=EFFORTS[effort].multistart.seeds,
         tour=TourSettings(method=stages.tour, **vars(stages.frame)),
         partition=partition,
         route=RouteSettings(routes=stages.routes, repairs=EFFORTS[effort].repair.rounds),

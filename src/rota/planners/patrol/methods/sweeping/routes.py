@@ -25,7 +25,7 @@ from rota.planners.patrol.methods.sweeping.lanes import (
     turn_shape,
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.tolerances import ON_LINE_M
+from rota.planners.patrol.tolerances import ON_LINE_M, TO_SPARE
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
 
@@ -35,7 +35,6 @@ Ints = NDArray[np.int64]
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
 )
-LANE_SHARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
 DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
 ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
 
@@ -107,7 +106,7 @@ def without_small_holes(shape: BaseGeometry, most_m: float) -> BaseGeometry:
 
 def sensing(problem: Problem, angle_rad: float) -> Swath:
     """The swath of the mission's robot along lanes of this angle, a little narrower than it is."""
-    margin_m = problem.range_margin_m + (1 - LANE_SHARE) * problem.reach_m + problem.lanes_overlap_m
+    margin_m = problem.range_margin_m + TO_SPARE * problem.reach_m + problem.lanes_overlap_m
     return Swath(sensor=problem.robot.sensor, angle_rad=angle_rad, margin_m=margin_m)
 
 

@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rota.planners.patrol.driving.timed_line import TimedLine
+from rota.planners.patrol.ground.samples import MOST_CELLS
 from rota.planners.patrol.tours.timetable import line_of, loop_timetable, paced_timetable
 from rota.planners.patrol.tours.tour import Tour
 
@@ -23,7 +24,6 @@ Ints = NDArray[np.int64]
 
 MOST_DIVISIONS = 12  # the common unit of all headways is at least this part of the shortest
 FEW_TRIED = 4  # clocks, cuts of a loop, places to begin it, or robots that may step aside: the most promising
-MOST_PAIRS = 4_000_000  # of near places on two loops
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,7 +148,7 @@ def near_pairs(one: cKDTree, other: cKDTree, apart_m: float) -> tuple[Ints, Ints
 
     Then both loops keep near each other most of the time, and are taken as always near.
     """
-    if one.count_neighbors(other, apart_m) > MOST_PAIRS:
+    if one.count_neighbors(other, apart_m) > MOST_CELLS:
         return None
     near = one.sparse_distance_matrix(other, apart_m, output_type="ndarray")
     return near["i"].astype(np.int64), near["j"].astype(np.int64)
