@@ -21,13 +21,13 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.limits import LONGEST_S
 from rota.model.mission import AREA, Charger, Mission, Zone, inner_reach_m
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.margins import with_reserve
+from rota.planners.patrol.methods.fixed_team.one_loop import ample_s
 from rota.planners.patrol.relief.relieve import without_batteries
 from rota.planners.patrol.relief.slots import MOMENT
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SAME_TIME_S, SLOWER
@@ -37,7 +37,6 @@ Floats = NDArray[np.float64]
 VIEW_EVERY = 0.25  # of the reach: between the places of a circuit whose views are joined
 VIEW_SIDES = 64
 SMOOTH = 0.05  # of the reach: by so much the border of what is seen is smoothed
-AMPLE = 20.0  # times what ideal lanes and a way across take: a period that no loop of one robot exceeds
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -132,20 +131,17 @@ def without_seen(ground: Ground, circuits: Sequence[Circuit], mission: Mission) 
 def _for_one_robot(ground: Ground, mission: Mission) -> Mission:
     """The mission that asks for this ground alone, in a time that is ample for one robot.
 
-    How many robots is left open: the search for a fixed team takes five times as long for loops no shorter.
+    How many robots is left open: a fixed team's loop is searched longer, and spares no robot.
     """
-    robot = strongest_robot(mission.fleet)
-    x0, y0, x1, y1 = mission.area.bounds
-    lanes_m = sum(region.shape.area for region in ground.regions) / robot.sensor.reach_m
-    ample_s = AMPLE * (lanes_m + x1 - x0 + y1 - y0) / robot.ground_speed_m_s
+    robot, alone = strongest_robot(mission.fleet), without_batteries(mission)
+    period_s = ample_s(ground.regions, mission, robot.sensor.reach_m, robot.ground_speed_m_s)
     zones = tuple(
         Zone(
-            name="the rest" if region.name == AREA else region.name, period_s=min(ample_s, LONGEST_S),
-            demand=region.demand, shape=region.shape,
+            name="the rest" if region.name == AREA else region.name, period_s=period_s, demand=region.demand,
+            shape=region.shape,
         )
         for region in ground.regions
     )  # fmt: skip
-    alone = without_batteries(mission)
     return replace(alone, zones=zones, period_s=None, fleet=replace(alone.fleet, robots=None))
 
 

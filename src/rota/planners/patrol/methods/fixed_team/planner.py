@@ -17,6 +17,7 @@ from rota.planners.patrol.methods.fewest.search import share_of_progress, with_l
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
 from rota.planners.patrol.methods.fixed_team.for_targets import plan_for_targets
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
+from rota.planners.patrol.methods.fixed_team.one_loop import is_one_loop, shortest_loop
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
 from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, apart, best_ratio, too_few
 from rota.planners.patrol.methods.fixed_team.team import Team
@@ -127,7 +128,8 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
     reserve = PatrolSettings.of(asked).period_margin > 0 or PatrolSettings.of(asked).range_margin_m > 0
     bound = 1.0 if context.bound.robots > team.robots else 0.0
     proved = 0.0 if reserve else max(proved_ratio(problem, team.robots), bound)
-    best = least_ratio(anyone, team, proved)
+    best = shortest_loop(anyone, team) if is_one_loop(anyone, team) else None
+    best = best or least_ratio(anyone, team, proved)
     plan = None if best is None else answer_for_mission(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
         return plan
