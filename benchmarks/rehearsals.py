@@ -26,11 +26,14 @@ TIMED = {  # 100 runs of 24 h: the example and what goes wrong
     "harbour": ("--failures-per-hour", "0.01", "--speed-noise", "2%"),
     "port-relief": ("--speed-noise", "2%", "--late-relief", "10"),
 }
+REPLANNED = ("--failures-per-hour", "0.01", "--speed-noise", "2%", "--replan")
 
 
 def rehearsals(options: Options) -> Iterator[Row]:
     """100 runs of 24 hours from the shell, and runs without chance beside the check at every place."""
     plans = {name: _planned(name, options.folder) for name in AGREEING}
+    for name in TIMED:
+        yield replanned_row(name, plans[name])
     for name, given in TIMED.items():
         command = ("rehearse", plans[name], *given, "--json")
         runs = measured_warm(lambda command=command: rota(*command), lambda run: run.wall_s)
@@ -55,6 +58,22 @@ def rehearsals(options: Options) -> Iterator[Row]:
             off_s = float(np.abs(run_alone.charging.least_s - _least_left_s(plan)).max())
             what = f"rehearsal of {name} where nothing goes wrong: the least in batteries beside the check's"
             yield Row(what, f"within {ASKED_OFF_S:g} s", f"{off_s:.1g} s of {len(plan)} robots", off_s <= ASKED_OFF_S)
+
+
+def replanned_row(name: str, path: Path) -> Row:
+    """What 100 runs take in which plans for those that remain take over."""
+    run = rota("rehearse", path, *REPLANNED, "--json")
+    told = run.failure()
+    if run.code == 0:
+        made = loads(run.out)
+        told = f"{run.wall_s:.0f} s, CPU {run.cpu_s:.0f} s; {100 * made['takeovers']['mean']:.0f} plans take over,"
+        told += f" available {made['available']['mean']:.1%}"
+        if made["charging"] is not None:
+            told += f", below the reserve in {made['charging']['runs_below_reserve']['mean']:.0%} of the runs"
+        if made["not_replanned"] is not None:
+            told += f"; not all: {made['not_replanned']}"
+    what = f"rehearsal of the {name}, 100 runs of 24 h, a plan for those that remain takes over when one fails"
+    return Row(what, "", told, None)
 
 
 def _least_left_s(plan: Plan) -> list[float]:

@@ -55,6 +55,14 @@ def replans(options: Options) -> Iterator[Row]:
         name, f"within {RECOVERY:g} of the longest period", told, sum(one <= RECOVERY for one in recovered) == len(met)
     )
     yield charging_row()
+    yield unlike_row()
+
+
+def unlike_row() -> Row:
+    """The first answers where robots of several kinds, or on circuits, are left without one to spare."""
+    plans = [plan_of("farm"), make_plan(read_mission(Path("examples") / "port-relief.yaml").mission, seed=0)]
+    lost = [answer(plan, *loss) for plan in plans for loss in losses(plan)]
+    return first_answers("the same of the farm's kinds, and of the port's circuits by default", lost)
 
 
 def charging_row() -> Row:

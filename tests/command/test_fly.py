@@ -15,6 +15,8 @@ from tests.relieved import relieved
 
 from rota.command.cli import run
 from rota.command.fly_along import Along
+from rota.command.fly_reliefs import require_reliefs
+from rota.errors import RotaError
 from rota.files.plan_file import write_plan
 from rota.links.link import Link
 
@@ -158,11 +160,10 @@ def test_robots_that_charge_are_not_sent_where_nobody_can_relieve_them(
 ) -> None:
     path = tmp_path / "pier.rota.json"
     write_plan(relieved(2), path)
-    assert run(["fly", str(path), "--link", "mavlink", "--set", "way=mission", "--start", "--yes"]) == 2
-    told = (
-        "rota: error: the plan's robots charge, and on the link mavlink they cannot be sent back and relieved;"
-        " way=targets does: rota export writes their single flights"
-    )
-    assert capsys.readouterr().err.startswith(told)
-    assert run(["fly", str(path), "--link", "mavlink", "--set", "way=targets", "--start", "--yes", "--hands-off"]) == 2
-    assert "somebody has to tell them when to leave their chargers" in capsys.readouterr().err
+    told = "on the link ros2 they cannot be sent back and relieved: rota export writes their single flights"
+    with pytest.raises(RotaError, match=told):
+        require_reliefs(relieved(2), SimpleNamespace(relieves=False), "ros2", hands_off=False)  # type: ignore[arg-type]
+    for way in ("mission", "targets"):
+        asked = ["--link", "mavlink", "--set", f"way={way}", "--start", "--yes", "--hands-off"]
+        assert run(["fly", str(path), *asked]) == 2
+        assert "somebody has to tell them when to leave their chargers" in capsys.readouterr().err

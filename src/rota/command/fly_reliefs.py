@@ -23,9 +23,8 @@ def require_reliefs(plan: Plan, made: Link, link: str, hands_off: bool) -> None:
     if not recharges(plan):
         return
     if not made.relieves:
-        how = "; way=targets does" if link == "mavlink" else ""
         raise RotaError(
-            f"the plan's robots charge, and on the link {link} they cannot be sent back and relieved{how}: rota export"
+            f"the plan's robots charge, and on the link {link} they cannot be sent back and relieved: rota export"
             " writes their single flights, with a table of when each starts"
         )
     if hands_off:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rota.files.geodesy import projection_of
 from rota.links.expected_lags import expected_lags
 from rota.links.extras import required
+from rota.links.mavlink_flight_link import MavlinkFlightLink
 from rota.links.mavlink_link import MavlinkLink, MavlinkSettings
 from rota.links.mavlink_target_link import MavlinkTargetLink
 from rota.model.plan import Plan
@@ -21,5 +22,7 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     told = recharges(plan) or any(each.accelerations_m_s2 is not None and each.waypoints is None for each in plan)
     if settings.way == "targets" or (settings.way == "auto" and told):
         return MavlinkTargetLink(plan, projection, settings)
+    if recharges(plan):
+        return MavlinkFlightLink(plan, projection, settings)
     top_m_s = {way.robot: plan.mission.fleet.robot(way.robot).speed_m_s for way in plan}
     return MavlinkLink(top_m_s, plan.mission.area.bounds, projection, settings, expected_lags(plan))

@@ -22,8 +22,16 @@ CENTIMETRE_M = 0.01 + 1e-4  # with what float32 loses at heights of some hundred
 MOST_RALLY = 10  # 150 bytes / 15: ArduPilot 4.6, StorageManager.cpp, a Copter's areas on boards with 16 KiB
 RALLY_POINT, FRAME_RELATIVE = 5100, 3
 RELATIVE_ALTITUDE = frozenset({3, 6})  # one frame by two names
-WITH_PLACE = frozenset({WAYPOINT, 17, 22, RALLY_POINT})
-NAMES = {16: "waypoint", 17: "loiter", 22: "take-off", 177: "jump", 178: "speed", RALLY_POINT: "rally point"}
+WITH_PLACE = frozenset({WAYPOINT, 17, 21, 22, RALLY_POINT})
+NAMES = {
+    16: "waypoint",
+    17: "loiter",
+    21: "landing",
+    22: "take-off",
+    177: "jump",
+    178: "speed",
+    RALLY_POINT: "rally point",
+}
 
 Corners = tuple[tuple[int, int], ...]  # 1e-7 degrees of latitude and longitude
 
