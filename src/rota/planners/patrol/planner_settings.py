@@ -13,6 +13,7 @@ from rota.model.refusals import Where, every_choice_of_robots, fleet_blocks, inn
 from rota.planners.patrol.charging_refusals import charging_refusals
 from rota.planners.patrol.lane_refusals import lane_refusals
 from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
+from rota.planners.patrol.tolerances import BESIDE_M
 from rota.vehicles.presets import VEHICLES
 
 Effort = Literal["quick", "normal", "high"]
@@ -24,7 +25,6 @@ Preference = Literal["shortest", "fewest_turns"]
 
 # a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
 MOST_PATROLLING = 10_000
-LEAST_REACH_M = 1e-3  # that a reserve must leave of a sensor's reach
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,7 +157,7 @@ def _too_much_reserve(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     reaches_m = [reach for _, block in fleet_blocks(data) if (reach := _reach_m(inner(block, "sensor"))) is not None]
     if not isinstance(margin_m, int | float) or not margin_m > 0 or not reaches_m:
         return
-    if margin_m > min(reaches_m) - LEAST_REACH_M:
+    if margin_m > min(reaches_m) - BESIDE_M:
         message = (
             f"{show_value(margin_m)} is not allowed; it must be less than the sensor's reach, {min(reaches_m):.6g} m"
         )

@@ -15,8 +15,17 @@ from rota.compiled.kernel import always_inline, noinline
 from rota.planners.patrol.annealing.state import Count, Tours
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
 
-WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of them
-NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
+
+class _Word(NamedTuple):
+    """A word of 64 samples: the binary digits of a place in it, its last place, and words in which none or all are."""
+
+    DIGITS: Any = Index(6)
+    LAST: Any = Index(63)
+    NONE: Any = Index(0)
+    ALL: Any = Index(2**64 - 1)
+
+
+Word = _Word()
 
 
 class _Digit(NamedTuple):
@@ -45,11 +54,11 @@ def lowest(bits: Any) -> Any:
 @always_inline
 def within(first: Any, end: Any, word: Any) -> Any:
     """The samples from ``first`` to before ``end`` in this word, which has some of them, as the bits of a number."""
-    bits = ALL
-    if word == first >> WORD:
-        bits &= ALL << (first & LAST)
-    if word == (end - ONE) >> WORD:
-        bits &= ALL >> (LAST - ((end - ONE) & LAST))
+    bits = Word.ALL
+    if word == first >> Word.DIGITS:
+        bits &= Word.ALL << (first & Word.LAST)
+    if word == (end - Index(1)) >> Word.DIGITS:
+        bits &= Word.ALL >> (Word.LAST - ((end - Index(1)) & Word.LAST))
     return bits
 
 
@@ -57,10 +66,10 @@ def within(first: Any, end: Any, word: Any) -> Any:
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
     runs, digits = t.seen[slot], t.times_seen
-    down = NONE if step > 0 else ALL
+    down = Word.NONE if step > 0 else Word.ALL
     for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
-        first, end = Index(runs[j]), Index(runs[j + ONE])
-        for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
+        first, end = Index(runs[j]), Index(runs[j + Index(1)])
+        for word in range(first >> Word.DIGITS, ((end - Index(1)) >> Word.DIGITS) + Index(1)):
             bits = within(first, end, word)
             ones, twos, fours = digits[word, Digit.ONES], digits[word, Digit.TWOS], digits[word, Digit.FOURS]
             to_twos = bits & (ones ^ down)
@@ -69,18 +78,18 @@ def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
             before = ones | twos | fours | digits[word, Digit.MORE]
             ones, twos, fours = ones ^ bits, twos ^ to_twos, fours ^ to_fours
             digits[word, Digit.ONES], digits[word, Digit.TWOS], digits[word, Digit.FOURS] = ones, twos, fours
-            if further != NONE:
+            if further != Word.NONE:
                 carry_further(further, down, word, digits)
             turned = bits & ~(before if step > 0 else ones | twos | fours | digits[word, Digit.MORE])
-            if turned != NONE:
-                turn_seen(turned, word << WORD, step, s, t)
+            if turned != Word.NONE:
+                turn_seen(turned, word << Word.DIGITS, step, s, t)
 
 
 @noinline
 def carry_further(carried: Any, down: Any, word: Any, digits: Any) -> None:
     """Carry to the digits of eight and more, or borrow from them (``down``: all bits); few samples have any."""
-    more = NONE
-    for digit in range(Index(Digit.MORE) + ONE, Index(digits.shape[1])):
+    more = Word.NONE
+    for digit in range(Index(Digit.MORE) + Index(1), Index(digits.shape[1])):
         now = digits[word, digit]
         digits[word, digit] = now ^ carried
         carried &= now ^ down
@@ -91,9 +100,9 @@ def carry_further(carried: Any, down: Any, word: Any, digits: Any) -> None:
 @noinline
 def turn_seen(turned: Any, first: Any, step: int, s: Samples, t: Tours) -> None:
     """Take these samples of the word that begins with ``first`` off the list of the unseen (step 1), or add them."""
-    while turned != NONE:
+    while turned != Word.NONE:
         i = np.int64(first + lowest(turned))
-        turned &= turned - ONE
+        turned &= turned - Index(1)
         if step > 0:
             t.ints[Count.UNSEEN] -= 1
             back = t.unseen_item[t.ints[Count.UNSEEN]]

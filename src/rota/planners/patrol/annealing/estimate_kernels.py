@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rota.compiled.kernel import allocation_free, always_inline, noinline
-from rota.planners.patrol.annealing.count_kernels import NONE, ONE, WORD, bits_seen_once, lowest
+from rota.planners.patrol.annealing.count_kernels import Word, bits_seen_once, lowest
 from rota.planners.patrol.annealing.state import Most, Tours
 from rota.planners.patrol.annealing.state_kernels import bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
@@ -71,12 +71,12 @@ def least_loss(slot: int, legs: int, reach: float, most: float, s: Samples, t: T
     runs, digits = t.seen[slot], t.times_seen
     lost: float = 0.0
     for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
-        first, end = Index(runs[j]), Index(runs[j + ONE])
-        for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
+        first, end = Index(runs[j]), Index(runs[j + Index(1)])
+        for word in range(first >> Word.DIGITS, ((end - Index(1)) >> Word.DIGITS) + Index(1)):
             once = bits_seen_once(first, end, word, digits)
-            while once != NONE:
-                i = np.int64((word << WORD) + lowest(once))
-                once &= once - ONE
+            while once != Word.NONE:
+                i = np.int64((word << Word.DIGITS) + lowest(once))
+                once &= once - Index(1)
                 if not is_in_reach_of_any(i, legs, reach, s, t):
                     lost += s.weight[i]
                     if lost > most:

@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 
 TICKS = 1000  # of the clock within the shortest period: coarse times make rounds of robots equal
 MOST_ARRIVALS = 4000  # before a search is given up
-FEWEST_TOGETHER, MOST_ROBOTS = 3, 4  # robots whose shares are put together, to be done by one less
+MOST_ROBOTS = 4  # whose shares are put together, to be done by one less
 
 
 def with_one_less(
@@ -56,7 +56,7 @@ def groups_to_join(shares: list[Share]) -> list[tuple[int, ...]]:
         chosen
         for count in range(1, MOST_ROBOTS + 1)
         for chosen in itertools.combinations(range(len(shares)), count)
-        if FEWEST_TOGETHER <= sum(shares[k].robots for k in chosen) <= MOST_ROBOTS
+        if sum(shares[k].robots for k in chosen) <= MOST_ROBOTS
         and sum(len(np.unique(shares[k].order)) for k in chosen) <= MOST_TOGETHER
         and all(shares[k].times_s is None for k in chosen)
     ]

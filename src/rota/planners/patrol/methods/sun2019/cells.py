@@ -18,11 +18,10 @@ from rota.planners.patrol.ground.samples import MOST_CELLS
 from rota.planners.patrol.methods.sun2019 import sight_kernels
 from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
+from rota.planners.patrol.tolerances import TIE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-SLIVER = 1e-9  # of a square, or in m2: what is smaller is rounding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +163,7 @@ def _solid_parts(shapes: NDArray[np.object_], cell_m: float) -> tuple[NDArray[np
     """The polygons (p,) in geometries of any kind, without slivers of rounding, and the index of its geometry."""
     parts, of = shapely.get_parts(shapes, return_index=True)
     parts, of_part = shapely.get_parts(parts, return_index=True)
-    solid = shapely.area(parts) > SLIVER * cell_m**2
+    solid = shapely.area(parts) > TIE * cell_m**2
     return parts[solid], np.asarray(of[of_part][solid], dtype=np.int64)
 
 

@@ -220,10 +220,6 @@ def _in_order(
         yield (low,), f"{show_value(told[low])} is not allowed; {allowed}"
 
 
-_OF_EVERY_DEPLOYMENT = ("cell_m", "border_cells")
-_OF_GENETIC = ("generations", "population", "regroup_every", "reversal_tries")
-
-
 @dataclass(frozen=True, kw_only=True)
 class Sun2019(Settings):
     """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots, unless others are named.
@@ -257,8 +253,13 @@ class Sun2019(Settings):
         """Settings of algorithms that are not chosen."""
         told = {item.name: item.default for item in settings_of(cls)} | dict(values)
         for block, stage, algorithm, is_its in (
-            ("sensors", "deployment", "ccpso2", lambda name: name not in _OF_EVERY_DEPLOYMENT),
-            ("frame", "tour", "genetic", lambda name: name in _OF_GENETIC),
+            ("sensors", "deployment", "ccpso2", lambda name: name not in ("cell_m", "border_cells")),
+            (
+                "frame",
+                "tour",
+                "genetic",
+                lambda name: name in ("generations", "population", "regroup_every", "reversal_tries"),
+            ),
             ("frame", "tour", "local_search", lambda name: name == "kicks_per_waypoint"),
             ("segments", "partition", "pso", lambda name: True),
         ):

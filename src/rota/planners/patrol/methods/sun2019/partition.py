@@ -28,12 +28,10 @@ from rota.planners.patrol.methods.sun2019.partition_kernels import (
 )
 from rota.planners.patrol.methods.sun2019.pso import rules_of, swarm_partition
 from rota.planners.patrol.methods.sun2019.pso_kernels import cost_of
-from rota.planners.patrol.tolerances import TIE
+from rota.planners.patrol.tolerances import BISECTIONS, TIE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-HALVINGS = 60  # of an interval that holds the smallest limit that enough segments can keep to: to the last bit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +140,7 @@ def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float, most
     """
     longest = np.empty(len(ring.level) - 1, dtype=np.int64)
     low, high = least, most
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         longest_counts(middle, 0.0, margin_s, ring, longest)
         low, high = (low, middle) if fewest_segments(longest) <= segments else (middle, high)
@@ -159,7 +157,7 @@ def _least_late(ring: Ring, margin_s: float, segments: int) -> Ints:
     """
     longest = np.empty(len(ring.level) - 1, dtype=np.int64)
     low_s, high_s = 0.0, max(float(segment_time_s(k, len(longest), ring)) for k in range(len(longest))) + margin_s
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         middle_s = (low_s + high_s) / 2
         longest_counts(1.0, middle_s, margin_s, ring, longest)
         low_s, high_s = (low_s, middle_s) if fewest_segments(longest) <= segments else (middle_s, high_s)

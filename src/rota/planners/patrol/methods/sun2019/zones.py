@@ -17,7 +17,6 @@ from rota.model.mission import DiscSensor, Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.cells import (
-    SLIVER,
     Cells,
     Lattice,
     cells_of,
@@ -27,6 +26,7 @@ from rota.planners.patrol.methods.sun2019.cells import (
 )
 from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
+from rota.planners.patrol.tolerances import SLIVER_M2
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,14 +98,16 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
     if standing.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
     lattice = lattice_over(mission.area, CELL_SHARE * reach_m if cell_m is None else cell_m)
-    obstacles = polygons_of(shapely.union_all([item.shape for item in mission.obstacles if item.blocks_sight]), SLIVER)
+    obstacles = polygons_of(
+        shapely.union_all([item.shape for item in mission.obstacles if item.blocks_sight]), SLIVER_M2
+    )
     hidden = obstacles
     for region in sorted(demanded_regions(mission), key=lambda region: region.period_s):
         if region.demand == "visit":
             yield _visit_task(region, standing, lattice)
             continue
         cells = cells_of(region.shape, lattice, hidden=hidden, border=border)
-        own = polygons_of(region.shape.intersection(standing), SLIVER)
+        own = polygons_of(region.shape.intersection(standing), SLIVER_M2)
         grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
         tasks, left = cover_tasks(cells, (own, standing), grounds)
         for _ in range(QUARTERINGS if len(left) else 0):
@@ -114,12 +116,12 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
             if not len(left):
                 break
         yield ZoneTasks(name=region.name, period_s=region.period_s, cells=cells, tasks=tasks, unseeable=left)
-        hidden = polygons_of(shapely.union_all([hidden, region.shape]), SLIVER)
+        hidden = polygons_of(shapely.union_all([hidden, region.shape]), SLIVER_M2)
 
 
 def _visit_task(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -> ZoneTasks:
     """The task of a zone that asks for visits; raises NoPlanFound where no robot can be inside."""
-    where = polygons_of(region.shape.intersection(standing), SLIVER)
+    where = polygons_of(region.shape.intersection(standing), SLIVER_M2)
     if where.is_empty:
         spot = region.shape.representative_point()
         raise NoPlanFound(f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f})")
