@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import open_page
 from tests.web.drawing import (
+    COMPILING_MS,
     changed_area,
     click_map,
     document,
@@ -299,7 +300,7 @@ def test_examples_and_files_are_read(page: Any, tmp_path: Path) -> None:
     expect(page.locator("#mission-name")).to_have_text("parcel")
     assert len(document(page)["obstacles"]) == 1
     page.get_by_role("button", name="Missions…").click()
-    with page.expect_download() as told:
+    with page.expect_download(timeout=COMPILING_MS) as told:
         page.get_by_role("button", name="Save this mission as a file").click()
     taken = tmp_path / told.value.suggested_filename
     told.value.save_as(taken)

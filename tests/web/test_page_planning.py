@@ -144,7 +144,7 @@ def test_a_plan_file_is_added_and_checked(planned: Any, tmp_path: Path, faults: 
     faults.refusals_expected = True
     page.locator("#plans tbody").get_by_role("button", name="Watch").first.click()
     page.locator("#tab-take").click()
-    with page.expect_download() as told:
+    with page.expect_download(timeout=COMPILING_MS) as told:
         page.locator("[data-download='plan.rota.json']").click()
     path = tmp_path / "mine.rota.json"
     told.value.save_as(path)

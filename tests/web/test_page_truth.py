@@ -57,7 +57,7 @@ def test_a_plan_says_that_its_mission_has_changed_since_and_how(planned: Any) ->
     page.locator("#tab-take").click()
     expect(page.locator("#downloads")).to_contain_text(change)
     expect(page.locator("#downloads > p").first).not_to_contain_text("met")
-    with page.expect_download() as told:
+    with page.expect_download(timeout=COMPILING_MS) as told:
         page.locator("[data-download='csv']").click()
     assert told.value.suggested_filename == "small-stale.csv"
     page.locator("#tab-plan").click()

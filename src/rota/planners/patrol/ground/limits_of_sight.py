@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 ARC_STEPS = 64  # per quarter of a circle
 NEAR = 0.98  # of the reach: what is so near is in range, whatever chords cut off
-FEW_CORNERS = 2_000  # of a space or of walls: what is in their range is soon worked out
+FEW_CORNERS = 1_000  # of a space: what is in its range is soon worked out
 MOST_SQUARES = 50_000  # in which it is told whether all of a shape is near
 
 

@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion
 from rota.model.mission import Mission, inner_reach_m
-from rota.planners.patrol.ground.limits_of_sight import FEW_CORNERS, area_in_range
+from rota.planners.patrol.ground.limits_of_sight import area_in_range
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.sight import Sight
@@ -26,6 +26,7 @@ LOOKS = 300  # squares that are looked at for what walls hide: for a guess
 CLOSE_LOOKS = 1_000  # for a figure
 UNSURE = 0.6  # of what is allowed: a guess below it will do
 MOST_TOLD = 5  # places
+FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
 
 
 class Unseeable(NamedTuple):
@@ -130,7 +131,7 @@ def _hidable(asked: BaseGeometry, near: BaseGeometry, sight: Sight, enough_m2: f
     if not len(walls):
         return shapely.MultiPolygon()
     ground = shapely.intersection(shapely.difference(asked, space), near)
-    if ground.area > enough_m2 and len(walls) <= FEW_CORNERS:
+    if ground.area > enough_m2 and len(walls) <= FEW_WALLS:
         round_walls = shapely.buffer(shapely.linestrings(walls.reshape(-1, 2, 2)), 1.01 * robot.sensor.reach_m)
         ground = shapely.intersection(ground, shapely.union_all(round_walls))
     return ground
