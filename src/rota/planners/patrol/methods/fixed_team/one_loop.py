@@ -72,4 +72,5 @@ def with_more_care(settings: ShorteningSettings, times: int) -> ShorteningSettin
         for attempt in settings.attempts
     )
     fine = replace(settings.fine, per_reach=times * settings.fine.per_reach)
-    return replace(settings, attempts=attempts, fine=fine, most_work=times * settings.most_work)
+    most_work = (times + 1) * settings.most_work  # so that a bold attempt that fails leaves room for a careful one
+    return replace(settings, attempts=attempts, fine=fine, most_work=most_work)
