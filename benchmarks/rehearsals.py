@@ -78,8 +78,7 @@ def replanned_row(name: str, path: Path) -> Row:
 
 def _least_left_s(plan: Plan) -> list[float]:
     """What the check has as the least that is left in each battery."""
-    chargers = {charger.name: charger for charger in plan.mission.chargers}
-    return [float(battery_levels(way, plan.mission.fleet.robot(way.robot), chargers).levels_s.min()) for way in plan]
+    return [float(battery_levels(plan, way).levels_s.min()) for way in plan]
 
 
 def _planned(name: str, folder: Path) -> Path:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from shapely import box
 
@@ -35,6 +37,14 @@ def relieved(count: int, rounds: int = 2) -> Plan:
     )
     robots = tuple(_robot(f"robot-{k + 1}", k * TURN_S, count * TURN_S, rounds) for k in range(count))
     return Plan(mission=mission, trajectories=robots)
+
+
+def with_battery(plan: Plan, **changed: float) -> Plan:
+    """The plan of robots all of whose batteries differ by this."""
+    fleet = plan.mission.fleet
+    robots = fleet.robots and tuple(replace(one, battery=replace(one.battery, **changed)) for one in fleet.robots)
+    fleet = replace(fleet, battery=replace(fleet.battery, **changed), robots=robots)
+    return replace(plan, mission=replace(plan.mission, fleet=fleet))
 
 
 def _robot(name: str, starts_s: float, round_s: float, rounds: int) -> Trajectory:

@@ -88,6 +88,37 @@ def test_standing_may_take_less_than_driving() -> None:
     assert told(Plan(mission=mission(shorter), trajectories=(robot,))) == [("battery below its reserve", "a")]
 
 
+def test_each_departure_takes_what_it_costs() -> None:
+    # out and back takes 80 s, and 5 s to take off: 42.5 s charge it again
+    for docked_s, kinds in ((42.5, []), (42.0, ["takes more than it charges"])):
+        battery = dataclasses.replace(BATTERY, takeoff_s=5)
+        plan = Plan(mission=mission(battery), trajectories=(there_and_back(docked_s=docked_s),))
+        assert [kind for kind, _ in told(plan)] == kinds
+    battery = dataclasses.replace(BATTERY, takeoff_s=11)
+    (violation,) = check_plan(Plan(mission=mission(battery), trajectories=(there_and_back(),))).violations
+    assert violation.kind == "battery below its reserve"
+    # a second of driving before it is back
+    assert (violation.time_s, violation.value) == pytest.approx((60 + 79, 9))
+    assert violation.place_m == pytest.approx((1.0, 0.0))
+
+
+def test_who_begins_in_the_air_has_taken_off_once() -> None:
+    times_s, places_m = np.array([0.0, 30.0, 75.0, 105.0]), np.array([(30.0, 0.0), (0.0, 0.0), (0.0, 0.0), (30.0, 0.0)])
+    one = Trajectory(
+        robot="a", times_s=times_s, positions_m=places_m, charges=(Charge(charger="pad", from_s=30, until_s=75),)
+    )
+    plan = Plan(mission=mission(dataclasses.replace(BATTERY, takeoff_s=20)), trajectories=(one,))
+    levels = battery_levels(plan, one)
+    # full less 20 s, 30 s back, full, less 20 s, 30 s out; then on in the air
+    np.testing.assert_allclose(levels.levels_s[levels.times_s == 0.0], [100, 80])
+    np.testing.assert_allclose(
+        np.interp([30, 74, 76, 105, 106], levels.times_s, levels.levels_s), [50, 100, 79, 50, 49]
+    )
+    rests = Trajectory(robot="a", times_s=np.zeros(1), positions_m=np.zeros((1, 2)))
+    (violation,) = check_plan(dataclasses.replace(plan, trajectories=(rests,))).violations
+    assert (violation.kind, violation.time_s) == ("battery below its reserve", pytest.approx(70))
+
+
 def test_what_is_charged_elsewhere_counts_for_nothing() -> None:
     away = dataclasses.replace(PAD, at=(0, 3))
     (violation,) = check_plan(Plan(mission=mission(BATTERY, away), trajectories=(there_and_back(),))).violations
@@ -148,7 +179,8 @@ def test_robots_on_a_charger_see_nothing_and_are_in_nobodys_way() -> None:
 def test_levels_are_those_of_small_steps_in_time() -> None:
     chance = np.random.default_rng(5)
     chargers = {"slow": Charger(name="slow", at=(0, 0)), "swap": Charger(name="swap", at=(50, 0), swap_s=7)}
-    for _ in range(40):
+    for number in range(40):
+        takeoff_s = 3.0 * (number % 2)
         legs = int(chance.integers(3, 12))
         times_s = np.concatenate([[0.0], np.cumsum(chance.integers(1, 15, legs))]).astype(float)
         at = [["slow", "swap", None][k] for k in chance.integers(3, size=legs)]
@@ -161,17 +193,20 @@ def test_levels_are_those_of_small_steps_in_time() -> None:
             if name and spots[k] == spots[k + 1] == chargers[name].at
         )
         one = Trajectory(robot="a", times_s=times_s, positions_m=np.array(spots), charges=charges)
-        robot = mission(BatteryLimits(endurance_s=100, recharge_s=50, standing_endurance_s=150)).fleet.equal_robot("a")
-        levels = battery_levels(one, robot, chargers)
+        battery = BatteryLimits(endurance_s=100, recharge_s=50, standing_endurance_s=150, takeoff_s=takeoff_s)
+        plan = Plan(mission=mission(battery, *chargers.values()), trajectories=(one,))
+        levels = battery_levels(plan, one)
         asked_s = np.arange(0.25, 2 * times_s[-1], 0.5)
-        stepped = stepped_levels(one, chargers, asked_s)
+        stepped = stepped_levels(one, chargers, asked_s, takeoff_s)
         np.testing.assert_allclose(np.interp(asked_s, levels.times_s, levels.levels_s), stepped, atol=1e-6)
 
 
-def stepped_levels(one: Trajectory, chargers: dict[str, Charger], asked_s: np.ndarray[Any, Any]) -> list[float]:
+def stepped_levels(
+    one: Trajectory, chargers: dict[str, Charger], asked_s: np.ndarray[Any, Any], takeoff_s: float
+) -> list[float]:
     """The battery by small steps: full at first, 100 s of driving, 150 s of standing, 50 s of charging."""
     step_s, level, stood, now, found = 0.25, 100.0, 0.0, 0.0, []
-    before: str | None = None
+    before: str | None = "ground"
     for k in itertools.count():
         if len(found) == len(asked_s):
             return found
@@ -181,6 +216,7 @@ def stepped_levels(one: Trajectory, chargers: dict[str, Charger], asked_s: np.nd
         leg = int(np.searchsorted(one.times_s, phase)) - 1
         charge = next((c.charger for c in one.charges if c.from_s <= phase <= c.until_s), None)
         stood = stood + step_s if charge is not None and charge == before else step_s if charge else 0.0
+        level -= takeoff_s if charge is None and before is not None else 0.0
         before = charge
         if charge is None:
             moves = (one.positions_m[leg] != one.positions_m[leg + 1]).any()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from tests.files.with_mass import with_mass
 from tests.links.fleets import dropped, loop_of, plan_of, reports_until, routes_of, send_and_start, three
+from tests.relieved import relieved, with_battery
 
 from rota.errors import LinkError, RotaError
 from rota.links.link import Report
@@ -87,6 +88,15 @@ def test_batteries_run_down_and_leave_vehicles_where_they_are() -> None:
     assert reports[-1].mode == "failed"
     assert reports[-1].battery == 0.0
     assert reports[-1].position_m == pytest.approx((32.0, 0.0, 25.0))
+
+
+def test_leaving_the_ground_takes_its_share_of_a_battery() -> None:
+    # of 400 s the take-off takes 30; robot-1 takes off at 0 and lands after 180 s, robot-2 is on its pad until 160 s
+    reports = driven(with_battery(relieved(3), takeoff_s=30), 170.0, *EXACT)
+    left = {(report.robot, round(report.time_s, 6)): report.battery for report in reports}
+    assert left["robot-1", 10.0] == pytest.approx((400 - 30 - 10) / 400)
+    assert left["robot-2", 150.0] == 1.0
+    assert left["robot-2", 165.0] == pytest.approx((400 - 30 - 5) / 400, abs=0.002)
 
 
 def test_pausing_goes_on_from_there_and_home_is_where_it_began() -> None:

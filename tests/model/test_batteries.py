@@ -61,6 +61,11 @@ def test_what_does_not_go_together_is_told(
     [
         ({"recharge_s": 5}, "recharge_s: 5 is not allowed; needs endurance_s"),
         ({"endurance_s": 5, "reserve_s": 5}, "reserve_s: 5 is not allowed; must be less than endurance_s, 5"),
+        (
+            {"endurance_s": 9, "reserve_s": 2, "takeoff_s": 7},
+            "takeoff_s: 7 is not allowed; .* beside reserve_s, 7",
+        ),
+        ({"takeoff_s": 5}, "takeoff_s: 5 is not allowed; needs endurance_s"),
         ({"endurance_s": math.nan}, "endurance_s: .nan is not allowed"),
         ({"endurance_s": -1}, "endurance_s: -1 is not allowed"),
     ],

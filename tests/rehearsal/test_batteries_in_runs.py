@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.rehearsal.rehearsed_plans import post, taking_turns
-from tests.relieved import FLIGHT_S, TURN_S, relieved
+from tests.relieved import FLIGHT_S, TURN_S, relieved, with_battery
 
 import rota
 from rota import Plan
@@ -44,15 +44,16 @@ def with_places(plan: Plan, places: int) -> Plan:
 
 
 @pytest.mark.parametrize(
-    "plan", [taking_turns(), relieved(2), relieved(3), with_swaps(relieved(3), 50.0)], ids=["road", "2", "3", "swaps"]
+    "plan",
+    [taking_turns(), relieved(2), relieved(3), with_swaps(relieved(3), 50.0), with_battery(relieved(3), takeoff_s=30)],
+    ids=["road", "2", "3", "swaps", "take-offs"],
 )
 def test_without_chance_batteries_are_those_of_the_check(plan: Plan) -> None:
     scene = scene_of(plan, Conditions(hours=1.0))
     charging = rehearse_once(scene, 0, 0)[0].charging
     assert charging is not None
-    chargers = {charger.name: charger for charger in plan.mission.chargers}
     for k, way in enumerate(plan):
-        levels = battery_levels(way, plan.mission.fleet.robot(way.robot), chargers)
+        levels = battery_levels(plan, way)
         assert charging.least_s[k] == pytest.approx(levels.levels_s.min(), abs=1e-6)
     assert charging.hurries_s.max() == 0
     assert charging.crowd is None

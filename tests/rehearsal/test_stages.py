@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.rehearsal.rehearsed_plans import post, round_a_block, taking_turns
-from tests.relieved import relieved
+from tests.relieved import relieved, with_battery
 from tests.replanning.relays import relay
 
 import rota
 from rota import Plan
 from rota.check.charging import battery_levels
+from rota.model.seam import Seam
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.rehearsal import rehearsal_table, rehearsal_to_json
 from rota.rehearsal.conditions import Conditions
@@ -20,6 +21,7 @@ from rota.rehearsal.run import rehearse_once
 from rota.rehearsal.scene import Scene, scene_of
 from rota.rehearsal.stages import IN_PHASE_S, TAKES_OVER_S, Stage, drive_in_stages
 from rota.routes.flights import on_charger
+from rota.routes.moments import way_before
 
 STEP_S = 0.05
 
@@ -105,7 +107,10 @@ def stages_with_losses(plan: Plan, conditions: Conditions, count: int) -> tuple[
     raise AssertionError("no such run")
 
 
-@pytest.mark.parametrize("plan", [relay(spare=True), relay(spare=False), taking_turns(), relieved(3)])
+DEAR = with_battery(relieved(3), takeoff_s=30)  # to take off
+
+
+@pytest.mark.parametrize("plan", [relay(spare=True), relay(spare=False), taking_turns(), relieved(3), DEAR])
 def test_without_noise_batteries_are_the_checks_also_after_a_loss(plan: Plan) -> None:
     """What is least in a battery is so before the change or after it: each as the check has it."""
     scene, number, (first, second) = stages_with_losses(
@@ -115,15 +120,16 @@ def test_without_noise_batteries_are_the_checks_also_after_a_loss(plan: Plan) ->
     charging = rehearse_once(scene, 0, number)[0].charging
     assert charging is not None
     assert charging.hurries_s.max() == 0
-    chargers, at_s = {charger.name: charger for charger in plan.mission.chargers}, float(np.nanmax(first.until_s))
+    at_s = float(np.nanmax(first.until_s))
     for k, way in enumerate(plan):
-        robot = plan.mission.fleet.robot(way.robot)
-        before, line = battery_levels(way, robot, chargers), second.scene.plan.trajectories[k]
+        before, line = battery_levels(plan, way), second.scene.plan.trajectories[k]
         if fails_s[k] >= scene.end_s:
             then_s = before.at(at_s, way)
             assert first.fills.levels_s[k] == pytest.approx(then_s, abs=1e-6)
             assert second.scene.batteries.endurance_s[k] * line.battery == pytest.approx(then_s, abs=1e-6)
-            after_s = battery_levels(line, robot, chargers).levels_s.min()
+            before_it = way_before(way, plan.mission.fleet.robot(way.robot).sensor, at_s, 1.0)
+            later = replace(second.scene.plan, seam=Seam(at_s=at_s, driven=(before_it,)))
+            after_s = battery_levels(later, line).levels_s.min()
             least_s = min(after_s, *(before.at(float(t), way) for t in np.arange(0, at_s, scene.tick_s)))
             assert charging.least_s[k] == pytest.approx(least_s, abs=1e-6)
 

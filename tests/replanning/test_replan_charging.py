@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from benchmarks.time_sampling import Sampled, lattice
+from tests.relieved import with_battery
 from tests.replanning.relays import BATTERY, PERIOD_S, relay
 from tests.replanning.rings import ROUND_S
 
 from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
 from rota.files.plan_file import plan_from_text, plan_text
+from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.routes.flights import on_charger
 
@@ -20,27 +22,36 @@ STEP_S = 0.05
 LEFT_S = 2.4  # for which a place is in sight while a robot passes it
 
 
-def levels_by_steps(line: Trajectory, level_s: float, until_s: float) -> np.ndarray:
-    """The level of a battery step by step, seconds of driving."""
+def levels_by_steps(
+    line: Trajectory, level_s: float, until_s: float, battery: BatteryLimits = BATTERY, *, grounded: bool = False
+) -> np.ndarray:
+    """The level of a battery step by step, seconds of driving; grounded: the robot has not taken off before."""
     moments_s = (np.arange(int(until_s / STEP_S)) + 0.5) * STEP_S
-    fill = BATTERY.endurance_s / BATTERY.recharge_s  # type: ignore[operator]
-    found = [level_s]
+    full_s, recharge_s, found = battery.endurance_s or 0.0, battery.recharge_s or math.inf, [level_s]
     for docked in on_charger(line, moments_s):
-        found.append(min(found[-1] + fill * STEP_S, BATTERY.endurance_s) if docked else found[-1] - STEP_S)  # type: ignore[type-var]
+        if docked:
+            found.append(min(found[-1] + full_s / recharge_s * STEP_S, full_s))
+        else:
+            found.append(found[-1] - STEP_S - battery.takeoff_s * grounded)
+        grounded = bool(docked)
     return np.array(found)
 
 
-def judge_by_steps(plan: Plan, at_s: float, found: Replanned) -> None:
+def judge_by_steps(plan: Plan, at_s: float, found: Replanned, battery: BatteryLimits = BATTERY) -> None:
     """Batteries and lateness as steps in time say, from the file alone."""
     again = plan_from_text(plan_text(found.plan), "it")
     assert check_plan(again).verdict == found.report.verdict
     assert {one.kind for one in found.report.violations} <= {"gap"}
     for line in again:
-        level_s = BATTERY.endurance_s * line.battery  # type: ignore[operator]
+        full_s, grounded = battery.endurance_s or 0.0, True
+        level_s = full_s * line.battery
         if line.robot in [one.robot for one in plan]:
-            before_s = levels_by_steps(plan[line.robot], BATTERY.endurance_s, at_s)[-1]  # type: ignore[arg-type]
-            assert level_s == pytest.approx(before_s, abs=0.2)
-        assert levels_by_steps(line, level_s, 600).min() >= BATTERY.reserve_s - 0.2
+            before_s = levels_by_steps(plan[line.robot], full_s, at_s, battery, grounded=True)[-1]
+            grounded = bool(on_charger(plan[line.robot], np.array([at_s - STEP_S / 2]))[0])
+            leaves = grounded and level_s < before_s - 0.2  # at this very moment
+            assert level_s == pytest.approx(before_s - battery.takeoff_s * leaves, abs=0.2)
+            grounded = grounded and not leaves
+        assert levels_by_steps(line, level_s, 600, battery, grounded=grounded).min() >= battery.reserve_s - 0.2
     sampled = Sampled(again, lattice(again.mission, 0.4), STEP_S, 500.0, more_m=STEP_S / 2)
     lateness = found.report.lateness
     assert lateness is not None
@@ -84,6 +95,22 @@ def test_two_of_three_come_in_longer_turns_and_batteries_hold(lost: str) -> None
     (demand,) = found.report.demands
     # 40 s of flight and 80 s of charging for two: a round each 60 s
     assert demand.worst_gap_at_least_s / PERIOD_S == pytest.approx((60 - LEFT_S) / PERIOD_S, abs=0.05)
+
+
+@pytest.mark.parametrize("at_s", [0.0, 10.0, 40.0, 250.0])
+def test_take_offs_are_paid_once_where_plans_take_over(at_s: float) -> None:
+    # 5 s and a round of 40 s take 75 s of charging, of 80 that there are; at 40 s the next one leaves
+    plan = with_battery(relay(spare=True), recharge_s=100, takeoff_s=5)
+    battery = plan.mission.fleet.battery
+    assert check_plan(plan).verdict == "met"
+    assert replan(plan, at_s=at_s).report.verdict == "met"
+    found = replan(plan, at_s=at_s, lost=["a"], joined={"e": (5.0, 0.0)}, battery={"e": 0.7})
+    judge_by_steps(plan, at_s, found, battery)
+    two = replan(with_battery(relay(spare=False), recharge_s=100, takeoff_s=5), at_s=10.0, lost=["c"])
+    judge_by_steps(relay(spare=False), 10.0, two, battery)
+    # 40 s of flight and 75 s of charging for two
+    gap_s = two.report.demands[0].worst_gap_at_least_s
+    assert gap_s / PERIOD_S == pytest.approx((57.5 - LEFT_S) / PERIOD_S, abs=0.05)
 
 
 def test_one_that_joins_flies_as_soon_as_its_battery_lets_it() -> None:

@@ -24,7 +24,7 @@ class Battery:
     """
 
     def __init__(self, plan: Plan, trajectory: Trajectory, robot: Robot) -> None:
-        levels = battery_levels(trajectory, robot, {charger.name: charger for charger in plan.mission.chargers})
+        levels = battery_levels(plan, trajectory)
         self.full_s = robot.battery.endurance_s or np.inf
         self.reserve_s = robot.battery.reserve_s
         self._times_s, self._levels_s = levels.times_s, levels.levels_s

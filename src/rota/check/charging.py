@@ -4,6 +4,8 @@ Robots begin with batteries as the plan tells. A round makes min(c, b + d) of th
 charges less what it takes, d, and never more than some level c, since batteries do not overflow. So levels at the
 beginning of rounds fall by -d each time, are the same from the second round on, or rise until they are: two rounds tell
 the least.
+
+Who leaves a charger, or is in the air at first with nothing driven before, has taken off: that is taken at once.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ MOST_STAYS = 2_000_000  # at one charger, counted one by one; of more, robots ar
 class Levels:
     """How full a battery is: levels_s (n,) seconds of driving left at times_s (n,), straight between them.
 
-    times_s goes over all before the loop and two rounds. falls_s: by how much less there is after each further round.
+    times_s goes over all before the loop and two rounds; at a swap and at a take-off a time has two levels, the later
+    one last. falls_s: by how much less there is after each further round.
     """
 
     times_s: Floats
@@ -86,13 +89,11 @@ def undocked_routes(routes: Routes, plan: Plan) -> Routes:
     )
 
 
-def battery_levels(
-    trajectory: Trajectory, robot: Robot, chargers: dict[str, Charger], driven: Driven | None = None
-) -> Levels:
-    """How full the battery of a robot is that has an endurance; see ``Levels``. driven: before the plan took over."""
-    follows = _Follower(robot, chargers)
-    if driven is not None:  # a swap may be under way
-        follows.drive(driven, 0, len(driven.times_s) - 1, 0.0)
+def battery_levels(plan: Plan, trajectory: Trajectory) -> Levels:
+    """How full the battery is of a robot of the plan that has an endurance, on a trajectory; see ``Levels``."""
+    follows = _Follower(plan, trajectory.robot)
+    if (driven := _way_before(plan, trajectory.robot)) is not None:  # a swap may be under way
+        follows.follow(driven)
     follows.begin(trajectory)
     rounds_s, first, last = [], trajectory.loop_index, len(trajectory.times_s) - 1
     for turn, (low, high) in enumerate(((0, first), (first, last), (first, last))):
@@ -102,21 +103,27 @@ def battery_levels(
     return Levels(times_s=np.concatenate(follows.times_s), levels_s=np.concatenate(follows.levels_s), falls_s=falls_s)
 
 
-def level_after_s(driven: Driven, robot: Robot, chargers: dict[str, Charger], until_s: float = 0.0) -> float:
+def _way_before(plan: Plan, robot: str) -> Driven | None:
+    """What a robot drove before the plan took over; None: nothing."""
+    return next((one for one in (() if plan.seam is None else plan.seam.driven) if one.robot == robot), None)
+
+
+def level_after_s(plan: Plan, driven: Driven, until_s: float = 0.0) -> float:
     """The level that a battery has at a moment of what was driven before a plan took over, in seconds of driving."""
-    follows = _Follower(robot, chargers)
-    follows.begin(driven)
-    follows.drive(driven, 0, len(driven.times_s) - 1, 0.0)
+    follows = _Follower(plan, driven.robot)
+    follows.follow(driven)
     return float(np.interp(until_s, np.concatenate(follows.times_s), np.concatenate(follows.levels_s)))
 
 
 class _Follower:
     """A robot's battery as it is driven: times_s and levels_s in pieces, and at which charger it stands how long."""
 
-    def __init__(self, robot: Robot, chargers: dict[str, Charger]) -> None:
-        self._robot, self._chargers = robot, chargers
-        self._full_s = robot.battery.endurance_s or math.inf
+    def __init__(self, plan: Plan, robot: str) -> None:
+        self._robot = plan.mission.fleet.robot(robot)
+        self._chargers = {charger.name: charger for charger in plan.mission.chargers}
+        self._full_s = self._robot.battery.endurance_s or math.inf
         self._stood: tuple[str, float] = ("", 0.0)
+        self._in_air, self._left_s = False, math.inf  # left_s: by what was driven before
         self.times_s, self.levels_s = [np.zeros(1)], [np.full(1, self._full_s)]
 
     @property
@@ -128,20 +135,40 @@ class _Follower:
         """Take the level that the way begins with."""
         self.times_s, self.levels_s = [way.times_s[:1]], [np.full(1, self._full_s * way.battery)]
 
+        if len(way.times_s) == 1:
+            self._take_off(0.0)
+
+    def follow(self, driven: Driven) -> None:
+        """Follow what was driven before a plan took over, which is told from after its first take-off on."""
+        self._in_air = True
+        self.begin(driven)
+        self.drive(driven, 0, len(driven.times_s) - 1, 0.0)
+        self._left_s = self.level_s
+
+    def _take_off(self, time_s: float) -> None:
+        """Take what it costs to leave the ground; who does as a plan takes over has no more than that leaves."""
+        cost_s = self._robot.battery.takeoff_s
+        if cost_s > 0 and not self._in_air:
+            level_s = self.level_s if math.isfinite(self._left_s) else self.level_s - cost_s
+            self.times_s.append(np.full(1, time_s))
+            self.levels_s.append(np.full(1, min(level_s, self._left_s - cost_s)))
+        self._in_air = True
+
     def drive(self, way: Trajectory | Driven, low: int, high: int, late_s: float) -> None:
         """Follow the legs of a way from one index to another, driven so much later."""
-        battery, times_s = self._robot.battery, way.times_s
-        ways_m = np.hypot(*np.diff(way.positions_m[:, :2], axis=0).T)
-        standing = self._full_s / (battery.standing_endurance_s or self._full_s)
-        used_s = np.where(ways_m > STILL_M, 1.0, standing) * np.diff(times_s)
+        times_s, ways_m = way.times_s, np.hypot(*np.diff(way.positions_m[:, :2], axis=0).T)
+        used_s = np.where(ways_m > STILL_M, 1.0, self._robot.battery.standing_uses) * np.diff(times_s)
         for begin, end, charge in _stretches(way, low, high):
             if charge is None:
                 self._stood = ("", 0.0)
+                self._take_off(float(times_s[begin] + late_s))
                 level_s = self.level_s
                 self.times_s.append(times_s[begin + 1 : end + 1] + late_s)
                 self.levels_s.append(level_s - np.cumsum(used_s[begin:end]))
             else:
+                self._in_air = False
                 self._charge(charge, float(times_s[begin] + late_s), float(times_s[end] + late_s))
+            self._left_s = math.inf
 
     def _charge(self, charge: str, begin_s: float, end_s: float) -> None:
         """Follow a stay at a charger."""
@@ -191,15 +218,15 @@ def charging_violations(plan: Plan) -> list[Violation]:
     if not any(plan.mission.fleet.robot(one.robot).battery.endurance_s or one.charges for one in plan):
         return []
     chargers = {charger.name: charger for charger in plan.mission.chargers}
-    before = {one.robot: one for one in (() if plan.seam is None else plan.seam.driven)}
-    violations = [found for one in (*plan, *before.values()) for found in _away_from_charger(one, chargers)]
+    driven = () if plan.seam is None else plan.seam.driven
+    violations = [found for one in (*plan, *driven) for found in _away_from_charger(one, chargers)]
     for one in plan:
-        robot, driven = plan.mission.fleet.robot(one.robot), before.get(one.robot)
+        robot, before = plan.mission.fleet.robot(one.robot), _way_before(plan, one.robot)
         if robot.battery.endurance_s is None:
             continue
-        violations += _below_reserve(one, robot, battery_levels(one, robot, chargers, driven))
-        if driven is not None:
-            violations += _fuller_than_driven(one, robot, level_after_s(driven, robot, chargers))
+        violations += _below_reserve(one, robot, battery_levels(plan, one))
+        if before is not None:
+            violations += _fuller_than_driven(one, robot, level_after_s(plan, before))
     return violations + _too_many_at_once(plan, chargers)
 
 

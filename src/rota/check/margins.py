@@ -64,12 +64,12 @@ def _battery_margin(plan: Plan) -> list[Margin]:
 
     Levels are told for ever by two rounds of a plan that is met.
     """
-    chargers, found = {charger.name: charger for charger in plan.mission.chargers}, []
+    found = []
     for way in plan:
         robot = plan.mission.fleet.robot(way.robot)
         if robot.battery.endurance_s is None:
             continue
-        levels = battery_levels(way, robot, chargers)
+        levels = battery_levels(plan, way)
         least = int(levels.levels_s.argmin())
         x, y = way.at(levels.times_s[least])[:2]
         found.append(

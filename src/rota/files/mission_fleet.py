@@ -92,7 +92,7 @@ def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
         values["vehicle"] = None
     if values["acceleration_m_s2"] is None:
         values |= {name: getattr(AT_ONCE, name) for name in NEED_MASS if not given.get(name)}
-    values |= {name: 0.0 for name in ("corner_m", "wind_m_s", "reserve_s") if values[name] is None}
+    values |= {item.name: item.default for item in ABLE if item.empty and values[item.name] is None}
     top = values["top_airspeed_m_s"]
     if "speed_m_s" in preset and "speed_m_s" not in given and top is not None and values["wind_m_s"] < top:
         values["speed_m_s"] = min(values["speed_m_s"], top - values["wind_m_s"])

@@ -10,7 +10,7 @@ import asyncio
 import heapq
 import math
 import time
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, get_args
 
@@ -21,6 +21,7 @@ from rota.links.inbox import Bounds
 from rota.links.link import Mode, Order, Report
 from rota.links.reporting import ReportingLink
 from rota.links.vehicles import HOME_SPEED_M_S, Pads, Vehicle, Vehicles, drive_home, drive_of
+from rota.model.battery_limits import BatteryLimits
 from rota.model.plan import Plan
 from rota.model.planner_settings import Settings, setting
 from rota.routes.route import Place3, Route, route_of
@@ -71,13 +72,8 @@ def link_to(plan: Plan, settings: SimulatedSettings) -> SimulatedLink:
     altitude_m = plan.mission.fleet.altitude_m
     homes = {trajectory.robot: route_of(trajectory, altitude_m).start_m for trajectory in plan}
     top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
-    return SimulatedLink(homes, plan.mission.area.bounds, top_m_s, settings, _batteries_s(plan), _pads(plan, settings))
-
-
-def _batteries_s(plan: Plan) -> np.ndarray:
-    """How long the battery of each robot lasts, (n,)."""
-    robots = [plan.mission.fleet.robot(way.robot) for way in plan]
-    return np.array([robot.battery.endurance_s or math.inf for robot in robots], np.float64)
+    batteries = [plan.mission.fleet.robot(way.robot).battery for way in plan]
+    return SimulatedLink(homes, plan.mission.area.bounds, top_m_s, settings, batteries, _pads(plan, settings))
 
 
 def _pads(plan: Plan, settings: SimulatedSettings) -> Pads | None:
@@ -107,7 +103,7 @@ class SimulatedLink(ReportingLink):
         bounds_m: Bounds,
         top_m_s: dict[str, float],
         settings: SimulatedSettings,
-        batteries_s: np.ndarray,
+        batteries: Sequence[BatteryLimits],
         pads: Pads | None,
     ) -> None:
         super().__init__(tuple(homes), bounds_m)
@@ -115,13 +111,15 @@ class SimulatedLink(ReportingLink):
         self._settings = settings
         self._faults = parsed_faults(settings.faults, self._names)
         self._rng = np.random.default_rng(settings.seed)
+        lasts_s = np.array([settings.battery_s or battery.endurance_s or math.inf for battery in batteries])
         self._fleet = Vehicles(
             vehicles=[Vehicle(home_m=home, top_m_s=top_m_s[name]) for name, home in homes.items()],
             rng=self._rng,
             slower=settings.slower,
             stop_noise_s=settings.stop_noise_s,
             speed_noise=settings.speed_noise,
-            battery_s=settings.battery_s if settings.battery_s is not None else batteries_s,
+            battery_s=lasts_s,
+            takeoffs=np.array([battery.takeoff_s for battery in batteries]) / lasts_s,
             pads=pads,
         )
         self._dies_s = self._death_times()

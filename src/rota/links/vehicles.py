@@ -131,14 +131,15 @@ class Vehicles:
     ``segment`` (n,) is where each is in the tables, ``done_s`` (n,) how far into it, below 0 while it loses time at the
     stop before; ``told_pace`` (n,) how many times as fast as its route says it is to drive. slower: the share by which
     all are slower than that. stop_noise_s: the deviation of the time that is lost at each stop. speed_noise: the
-    standard deviation of paces. battery_s: how long a battery lasts while driving, or (n,) those of
-    all; infinite: for ever. pads: where they charge.
+    standard deviation of paces. battery_s: (n,) how long batteries last while driving; infinite: for
+    ever. takeoffs: (n,) the share of them that leaving the ground takes. pads: where they charge.
     """
 
     vehicles: list[Vehicle]
     rng: np.random.Generator
     speed_noise: float
-    battery_s: float | Floats
+    battery_s: Floats
+    takeoffs: Floats
     pads: Pads | None = None
     slower: float = 0.0
     stop_noise_s: float = 0.0
@@ -151,6 +152,7 @@ class Vehicles:
     _noise: Floats = field(init=False)
     _segment: NDArray[np.int64] = field(init=False)
     _done_s: Floats = field(init=False)
+    _grounded: NDArray[np.bool_] = field(init=False)
     _tables: Tables | None = None
 
     def __post_init__(self) -> None:
@@ -158,7 +160,7 @@ class Vehicles:
         self.battery, self.running = np.ones(n), np.zeros(n, dtype=bool)
         self.positions_m = np.array([vehicle.home_m for vehicle in self.vehicles], dtype=np.float64).reshape(n, 3)
         self.held_until_s, self._done_s = np.full(n, -math.inf), np.zeros(n)
-        self.told_pace = np.ones(n)
+        self.told_pace, self._grounded = np.ones(n), np.ones(n, dtype=bool)
         self._noise = self.rng.standard_normal(n)
         self._segment = np.zeros(n, dtype=np.int64)
 
@@ -273,7 +275,9 @@ class Vehicles:
         driven = tables.start_m[self._segment] + share[:, None] * tables.step_m[self._segment]
         before_m, self.positions_m = self.positions_m, np.where(moving[:, None], driven, self.positions_m)
         filled = self._gains(before_m) * duration_s * moving
-        used = np.where(filled > 0, 0.0, moving * duration_s / self.battery_s)
+        leaves = self._grounded & (np.abs(self.positions_m - before_m).max(axis=1, initial=0.0) > STILL_M)
+        self._grounded = (self._grounded & ~leaves) | (filled > 0)
+        used = np.where(filled > 0, 0.0, moving * duration_s / self.battery_s) + self.takeoffs * leaves
         self.battery = np.clip(self.battery + filled - used, 0.0, 1.0)
 
     def _gains(self, before_m: Floats) -> Floats:

@@ -19,7 +19,8 @@ class BatteryLimits:
     """What a battery holds, told in seconds of driving; None: no limit is known.
 
     A full battery lasts for ``endurance_s`` of driving, or ``standing_endurance_s`` of standing. Charging from empty to
-    full takes ``recharge_s``, and less in proportion to what was used. ``reserve_s`` of driving are never used.
+    full takes ``recharge_s``, and less in proportion to what was used. ``reserve_s`` of driving are never used. Each
+    time that a robot leaves a charger, or begins in the air, ``takeoff_s`` are used at once, landing included.
     """
 
     endurance_s: float | None = field_of(
@@ -36,6 +37,10 @@ class BatteryLimits:
         0.0, "of driving that must always be left", title="reserve", least=0, most=LONGEST_S, empty=True, newer=True,
         spared=True,
     )  # fmt: skip
+    takeoff_s: float = field_of(
+        0.0, "of driving that each departure from a charger costs, with its climb and its landing",
+        title="take-off and landing", least=0, most=LONGEST_S, empty=True, newer=True, spared=True,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -44,8 +49,15 @@ class BatteryLimits:
 
     @property
     def usable_s(self) -> float:
-        """Seconds of driving between a full battery and the reserve."""
-        return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s
+        """Seconds of driving between leaving a charger with a full battery and the reserve."""
+        return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s - self.takeoff_s
+
+    @property
+    def standing_uses(self) -> float:
+        """Seconds of driving that a second of standing takes."""
+        if self.endurance_s is None:
+            return 1.0
+        return self.endurance_s / (self.standing_endurance_s or self.endurance_s)
 
 
 BATTERY_FIELDS = tuple(item.name for item in fields_of(BatteryLimits))
@@ -58,8 +70,10 @@ def battery_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         for name in BATTERY_FIELDS[1:]:
             if values[name]:
                 yield name, "needs endurance_s: without one, batteries never run low"
-    elif (values["reserve_s"] or 0) >= endurance_s:
+    elif (reserve_s := values["reserve_s"] or 0) >= endurance_s:
         yield "reserve_s", f"must be less than endurance_s, {endurance_s:.6g}"
+    elif (values["takeoff_s"] or 0) >= endurance_s - reserve_s:
+        yield "takeoff_s", f"must be less than what endurance_s leaves beside reserve_s, {endurance_s - reserve_s:.6g}"
 
 
 ENDLESS = BatteryLimits()

@@ -25,11 +25,10 @@ def charging_rows(plan: Plan) -> tuple[ChargingRow, ...]:
     """One row per trajectory, in the plan's order; ``least_s`` is inf for a robot without an endurance."""
     from rota.check.charging import battery_levels
 
-    chargers = {charger.name: charger for charger in plan.mission.chargers}
     rows = []
     for one in plan:
         robot, flights_s = plan.mission.fleet.robot(one.robot), flights_of(one)
-        levels = None if robot.battery.endurance_s is None else battery_levels(one, robot, chargers)
+        levels = None if robot.battery.endurance_s is None else battery_levels(plan, one)
         rows.append(
             ChargingRow(
                 robot=one.robot,

@@ -89,16 +89,17 @@ class ChargingOutcome:
 
 
 def full_batteries(scene: Scene) -> Fills:
-    """All batteries full, and robots at the beginning of their plans."""
+    """All batteries full, less a take-off where plans begin in the air, and robots at the beginning of their plans."""
     ways, batteries = scene.plan.trajectories, scene.batteries
+    levels_s = batteries.endurance_s - batteries.takeoff_s * (batteries.docks[batteries.firsts[:-1]] < 0)
     count, most = len(ways), sum(scene.most_charges(way) for way in ways)
 
     def zeros() -> Floats:
         return np.zeros(count)
 
     return Fills(
-        leg=batteries.firsts[:-1].copy(), turned_s=zeros(), levels_s=batteries.endurance_s.copy(), stood_s=zeros(),
-        least_s=batteries.endurance_s.copy(), least_at_s=zeros(), stay=np.full(count, -1), stays_s=np.empty((most, 2)),
+        leg=batteries.firsts[:-1].copy(), turned_s=zeros(), levels_s=levels_s, stood_s=zeros(),
+        least_s=levels_s.copy(), least_at_s=zeros(), stay=np.full(count, -1), stays_s=np.empty((most, 2)),
         stays=np.empty((most, 2), np.int64), noted=np.zeros(1, np.int64), left=np.zeros(count, np.int64),
         hurries_s=zeros(), hurries_at_s=zeros(),
     )  # fmt: skip

@@ -23,13 +23,14 @@ class Batteries(NamedTuple):
     uses: seconds of driving that a second of the leg takes. docks: the charger at which it is spent, -1: none. fills:
     what a second there adds; swaps_s: after how long all is full, inf: never. leaves_s: when it leaves its charger by
     plan. needs_s: what is used from the leg's end, or from leaving its charger, until it charges. endurance_s (inf: no
-    limit), reserve_s: (k,).
+    limit), takeoff_s, reserve_s: (k,).
     """
 
     firsts: NDArray[np.int64]
     again: NDArray[np.int64]
     loops_s: NDArray[np.float64]
     endurance_s: NDArray[np.float64]
+    takeoff_s: NDArray[np.float64]
     reserve_s: NDArray[np.float64]
     begins_s: NDArray[np.float64]
     ends_s: NDArray[np.float64]
@@ -172,6 +173,7 @@ def _spend(batteries, fills, r, planned_s, tick_s, from_s, until_s):
                 fills.stays_s[fills.stay[r], 1] = begun_s
                 fills.stay[r] = -1
                 fills.left[r] += 1
+                fills.levels_s[r] -= batteries.takeoff_s[r]
             fills.levels_s[r] -= batteries.uses[leg] * lasts_s
             if fills.levels_s[r] < fills.least_s[r]:
                 fills.least_s[r], fills.least_at_s[r] = fills.levels_s[r], begun_s + lasts_s

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import MissionError
+from rota.model.battery_limits import BATTERY_FIELDS
 from rota.model.mission import Mission
 from rota.model.plan import Driven, Plan, Trajectory
 
@@ -21,16 +22,12 @@ def levels_of_plan(plan: Plan, driven: Sequence[Trajectory]) -> dict[str, Level]
     """
     from rota.check.charging import battery_levels
 
-    chargers = {charger.name: charger for charger in plan.mission.chargers}
-    before = {one.robot: one for one in (() if plan.seam is None else plan.seam.driven)}
-
     def level_of(line: Trajectory) -> Level:
         """The share of one robot's battery at a moment."""
-        robot = plan.mission.fleet.robot(line.robot)
-        full_s = robot.battery.endurance_s
+        full_s = plan.mission.fleet.robot(line.robot).battery.endurance_s
         if full_s is None:
             return lambda time_s: 1.0
-        levels = battery_levels(line, robot, chargers, before.get(line.robot))
+        levels = battery_levels(plan, line)
         return lambda time_s: float(np.clip(levels.at(time_s, line) / full_s, 0.0, 1.0))
 
     return {line.robot: level_of(line) for line in driven}
@@ -45,8 +42,7 @@ def later_part(plan: Plan, driven: Driven, least_s: float) -> Driven:
     if first == 0 or full_s is None:
         return driven
     since_s = float(driven.times_s[first])
-    chargers = {charger.name: charger for charger in plan.mission.chargers}
-    level_s = level_after_s(driven, plan.mission.fleet.robot(driven.robot), chargers, since_s)
+    level_s = level_after_s(plan, driven, since_s)
     changes = driven.accelerations_m_s2
     return replace(
         driven,
@@ -76,5 +72,5 @@ def require_same_batteries(plan: Plan, changed: Mission, lost: Collection[str]) 
         if was != now:
             raise MissionError(
                 f"fleet: the battery of robot {line.robot} in the changed mission is not as in the plan; give its"
-                " endurance_s, standing_endurance_s, recharge_s and reserve_s as they were"
+                f" {', '.join(BATTERY_FIELDS)} as they were"
             )

@@ -24,8 +24,8 @@ class ChargingLegs(NamedTuple):
     begins_s, ends_s: by plan. uses: seconds of driving that a second of the leg takes from the battery. docks: the
     charger at which it is spent, by its number, -1: at none. fills: what a second there adds to the battery; swaps_s:
     after how long there it is full, inf: never by that. leaves_s: when the robot leaves its charger by plan; the leg's
-    end where it is at none. needs_s: what is used from the leg's end, or from leaving the charger, until the robot is
-    at a charger again; inf: never.
+    end where it is at none. needs_s: what is used from the leg's end, or from leaving the charger on, until the
+    robot is at a charger again; inf: never.
     """
 
     begins_s: Floats
@@ -41,8 +41,7 @@ class ChargingLegs(NamedTuple):
 def charging_legs(way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> ChargingLegs:
     """The legs of a robot's trajectory with what they ask of its battery."""
     numbers = {charger.name: k for k, charger in enumerate(chargers)}
-    endurance_s = robot.battery.endurance_s or math.inf
-    stands = endurance_s / (robot.battery.standing_endurance_s or endurance_s) if math.isfinite(endurance_s) else 1.0
+    endurance_s, stands = robot.battery.endurance_s or math.inf, robot.battery.standing_uses
     ways_m = np.hypot(*np.diff(way.positions_m[:, :2], axis=0).T)
     uses = np.where(ways_m > STILL_M, 1.0, stands)
     docks, fills, swaps_s = np.full(len(uses), -1, np.int64), np.zeros(len(uses)), np.full(len(uses), np.inf)
@@ -61,11 +60,11 @@ def charging_legs(way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) 
         uses, fills = np.append(uses, 0.0 if at else stands), np.append(fills, fills[-1] if at else 0.0)
         swaps_s = np.append(swaps_s, swaps_s[-1] if at else np.inf)
         begins_s, ends_s = way.times_s, np.append(ends_s, np.inf)
-    stays_s, needs_s = _ahead(way, ends_s - begins_s, uses, docks)
+    stays_s, needs_s = _ahead(way, ends_s - begins_s, uses, docks, robot.battery.takeoff_s)
     return ChargingLegs(begins_s, ends_s, uses, docks, fills, swaps_s, ends_s + stays_s, needs_s)
 
 
-def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Whole) -> tuple[Floats, Floats]:
+def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Whole, takeoff_s: float) -> tuple[Floats, Floats]:
     """For each leg how long the robot stays on its charger after it, and what it then uses until it charges again."""
     count, first, loops = len(lasts_s), way.loop_index, way.loop_duration_s > 0
     stays_s, needs_s = np.zeros(count), np.zeros(count)
@@ -76,6 +75,7 @@ def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Whole) -> tupl
     # of a loop twice: what comes after its end is known after once
     for leg in [*(range(count - 1, first - 1, -1) if loops else ()), *range(count - 1, -1, -1)]:
         if docks[leg] >= 0:
+            need_s += takeoff_s if docks[after] < 0 else 0.0
             stays_s[leg], needs_s[leg] = stay_s, need_s
             stay_s += lasts_s[leg]
         else:

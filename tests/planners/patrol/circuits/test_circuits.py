@@ -80,7 +80,7 @@ def follow(rings: list[Ring], circuits: list[Circuit], battery: BatteryLimits) -
                     own = circuits[launch.circuit]
                     stayed_s = begins_s - free_s if free_s else 0.0
                     filled_s = stayed_s * battery.endurance_s / battery.recharge_s  # type: ignore[operator]
-                    level_s = min(battery.endurance_s or 0.0, level_s + filled_s) - own.used_s
+                    level_s = min(battery.endurance_s or 0.0, level_s + filled_s) - own.used_s - battery.takeoff_s
                     free_s = begins_s + own.line.duration_s
                     launched[launch.circuit].append(begins_s)
                     least_s = min(least_s, level_s)
@@ -91,7 +91,8 @@ def follow(rings: list[Ring], circuits: list[Circuit], battery: BatteryLimits) -
 def test_launches_are_in_time_and_robots_are_charged_for_them(seed: int) -> None:
     chance = np.random.default_rng(seed)
     circuits = [circuit(float(chance.uniform(5, 90)), float(chance.choice([20, 30, 40, 60]))) for _ in range(3)]
-    battery = BatteryLimits(endurance_s=200, recharge_s=float(chance.choice([50, 200, 400])), reserve_s=10)
+    recharge_s, takeoff_s = float(chance.choice([50, 200, 400])), 12.0 * (seed % 2)
+    battery = BatteryLimits(endurance_s=200, recharge_s=recharge_s, reserve_s=10, takeoff_s=takeoff_s)
     rings = fewest_rings(circuits, battery, least=1, most=60, seed=0)
     launched, least_s = follow(rings, circuits, battery)
     assert least_s >= battery.reserve_s - 1e-6
@@ -100,8 +101,7 @@ def test_launches_are_in_time_and_robots_are_charged_for_them(seed: int) -> None
         later = np.array(sorted(t for t in times if lasts_s <= t <= 3 * lasts_s))
         assert np.diff(later).max() <= own.most_s + 1e-6
     # nobody does with fewer than are in the air and charge on average
-    charges = 1 + battery.recharge_s / battery.endurance_s  # type: ignore[operator]
-    busy = sum(own.used_s * charges / own.most_s for own in circuits)
+    busy = sum((own.used_s + (own.used_s + takeoff_s) * recharge_s / 200) / own.most_s for own in circuits)
     assert busy - 1e-6 <= sum(ring.robots for ring in rings) <= busy + 2
 
 
@@ -123,6 +123,11 @@ def test_a_loop_longer_than_a_battery_is_two_circuits_by_as_many_robots_as_charg
     assert len(plan) == 2
     assert check_plan(plan).verdict == "met"
     assert max(len(trajectory.charges) for trajectory in plan) >= 2
+    # of a take-off of 15 s each charges for 75 s after 60 s: 2.25 robots
+    battery = dataclasses.replace(CORRIDOR.fleet.battery, takeoff_s=15)
+    plan = make_plan(dataclasses.replace(CORRIDOR, fleet=dataclasses.replace(CORRIDOR.fleet, battery=battery)))
+    assert len(plan) == 3
+    assert check_plan(plan).verdict == "met"
 
 
 def test_chargers_with_too_little_room_are_refused() -> None:

@@ -15,6 +15,7 @@ from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol import PatrolSettings
+from rota.planners.patrol.bounds.charging_bound import charging_of
 
 # a corridor as wide as the sensor sees: one robot goes to and fro, past the charger in its middle
 CORRIDOR = Mission(
@@ -42,6 +43,13 @@ def with_battery(mission: Mission, **values: Any) -> Mission:
         # six at full use of the period, but 37 of its 50 s are enough
         ({"endurance_s": 500, "recharge_s": 2500}, None, 5),
         ({"endurance_s": 500}, 100.0, 2),
+        # nine rounds of 50 s but for a pause of 13.5 s: 3 x 436.5 s and twice the take-off in 3 x 450 s
+        ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 15}, None, 3),
+        ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 25}, None, 4),
+        # five rounds, and no more: 3 x 236.5 s and 500 s, in turns of 250 s
+        ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 250}, None, 5),
+        # one round of 36.5 s and a swap, in turns of 50 s
+        ({"endurance_s": 500, "takeoff_s": 450}, 100.0, 3),
     ],
 )
 def test_one_loop_past_the_charger_takes_one_robot_and_those_that_charge(
@@ -53,6 +61,14 @@ def test_one_loop_past_the_charger_takes_one_robot_and_those_that_charge(
     assert len(plan) == robots
     assert (plan.lower_bound_robots or 0) <= robots
     assert check_plan(plan).verdict == "met"
+
+
+def test_what_a_second_away_takes_on_a_charger_counts_take_offs() -> None:
+    # 375 s of flight at most and 125 s to take off are charged in 1000 s
+    battery = {"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 125}
+    assert charging_of(with_battery(CORRIDOR, **battery)).per_s == pytest.approx(1000 / 375)
+    swaps = (dataclasses.replace(CORRIDOR.chargers[0], swap_s=75),)
+    assert charging_of(dataclasses.replace(with_battery(CORRIDOR, **battery), chargers=swaps)).per_s == 75 / 375
 
 
 def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:

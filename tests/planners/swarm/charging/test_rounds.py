@@ -106,11 +106,18 @@ def test_a_charge_cut_by_a_second_is_found() -> None:
     assert round_s == pytest.approx((240 - 20) * (1 + 100 / 240), rel=0.01)
     least_s = round_s * 100 / 340
     assert one.charges[0].until_s - one.charges[0].from_s >= least_s
-    levels = battery_levels(one, plan.mission.fleet.robot("r1"), {"west": WEST, "east": EAST})
+    levels = battery_levels(plan, one)
     assert 20 <= levels.levels_s.min() < 30
     assert check_plan(with_charge(plan, least_s + 0.5)).verdict == "met"
     (found,) = check_plan(with_charge(plan, least_s - 0.5)).violations
     assert (found.kind, found.who) == ("battery below its reserve", "r1")
+
+
+def test_robots_that_take_off_dearly_are_back_sooner() -> None:
+    # 60 s less a flight, and 25 s more to charge for them: rounds of (160 + 100 x 60 / 340) x 340 / 240 s
+    plan = run_mission(mission(1, battery=replace(LASTS, takeoff_s=60)), seed=1).plan
+    assert check_plan(plan).verdict == "met"
+    assert plan.trajectories[0].loop_duration_s == pytest.approx((160 + 6000 / 340) * 340 / 240, rel=0.01)
 
 
 def test_robots_go_to_several_places_where_these_do_not_share_them_evenly() -> None:

@@ -33,6 +33,10 @@ def test_what_a_battery_asks() -> None:
     assert (either.share[0], either.stays_s[0]) == (0, pytest.approx(300 * 540 / 600))
     hovers = needs_of((robot(endurance_s=600, recharge_s=300, standing_endurance_s=300),), (pad,))
     assert (hovers.usable_s[0], hovers.share[0]) == (300, pytest.approx(1 / 2))
+    climbs = needs_of((robot(endurance_s=600, recharge_s=300, reserve_s=60, takeoff_s=60),), (pad,))
+    # a round of 750 s: 480 s away and 60 s to take off are used, and half as long it charges
+    assert climbs.longest_round_s() == pytest.approx(750)
+    assert climbs.charge_s(750) == pytest.approx((480 + 60) / 2) == pytest.approx(climbs.fills_s(480))
 
 
 def test_one_robot_with_one_pad_flies_until_its_reserve_and_fills_what_it_used() -> None:

@@ -15,7 +15,7 @@ chargers earn nothing, nor do those from which nothing is in range that has a we
 from chargers and have such ground in range. A flight lasts u seconds at most. Its ways out and back take 2 d / v at
 least, d from the nearest charger to where ground comes into range: w = 2 d / (u v). In the long run a battery takes as
 much as it gives: k is the least of recharge over endurance, and of the seconds of a swap over those that a full battery
-can be used.
+can be used. Where each flight costs t beside its seconds, u of driving at most, a second away takes 1 + t / u at least.
 """
 
 from __future__ import annotations
@@ -49,9 +49,12 @@ def charging_of(mission: Mission) -> Charging:
     robot, chargers = mission.fleet.equal_robot("robot-1"), mission.chargers
     battery, reach_m = robot.battery, strongest_robot(mission.fleet).sensor.reach_m
     endurance_s = battery.endurance_s or math.inf
-    use = min(1.0, endurance_s / (battery.standing_endurance_s or endurance_s))  # of the battery, per second
+    use = min(1.0, battery.standing_uses)  # of the battery, per second
+    taken = 1 + battery.takeoff_s / battery.usable_s  # with take-offs, for each second's use
     each = [
-        charger.swap_s / battery.usable_s if charger.swap_s is not None else (battery.recharge_s or 0.0) / endurance_s
+        charger.swap_s / battery.usable_s
+        if charger.swap_s is not None
+        else (battery.recharge_s or 0.0) / endurance_s * taken
         for charger in chargers
     ]
     asked = [zone.shape for zone in mission.zones if zone.period_s is not None]

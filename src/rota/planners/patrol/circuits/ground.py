@@ -43,7 +43,7 @@ SMOOTH = 0.05  # of the reach: by so much the border of what is seen is smoothed
 class Circuit:
     """A way from a charger round ground and back, to be begun every ``most_s`` seconds at least.
 
-    used_s: seconds of driving that it takes from a battery.
+    used_s: seconds of driving that it takes from a battery, the take-off left out.
     """
 
     charger: Charger
@@ -186,11 +186,8 @@ def _circuit(charger: Charger, parts_m: Sequence[Floats], period_s: float, missi
     times_s, places_m = np.concatenate([[0.0], np.cumsum(steps_s)])[kept], line_m[kept]
     places_m[-1] = charger.at
     line = steady(times_s, places_m)
-    endurance_s = battery.endurance_s or 1.0
-    standing = endurance_s / (battery.standing_endurance_s or endurance_s)
-    return Circuit(
-        charger=charger, line=line, most_s=period_s, used_s=line.duration_s + stays_s * max(0.0, standing - 1)
-    )
+    used_s = line.duration_s + stays_s * max(0.0, battery.standing_uses - 1)
+    return Circuit(charger=charger, line=line, most_s=period_s, used_s=used_s)
 
 
 def least_on_circuits(mission: Mission, busy_per_s: float) -> float:

@@ -176,7 +176,7 @@ class _Queue:
         for _ in range(3):
             begun_s.append(level_s)
             for launch, stay_s in zip(ring.launches, stays_s, strict=True):
-                level_s -= self._circuits[launch.circuit].used_s
+                level_s -= battery.takeoff_s + self._circuits[launch.circuit].used_s
                 if level_s < battery.reserve_s:
                     return False
                 if charger.swap_s is not None:

@@ -65,10 +65,11 @@ def require_reach(mission: Mission) -> None:
     """NoPlanFound where no flight lasts from a charger to ground that is asked for and back."""
     if (charging := charging_of(mission)).ways >= 1:
         battery = mission.fleet.battery
+        taken = f" and {battery.takeoff_s:.6g} to take off" if battery.takeoff_s else ""
         raise NoPlanFound(
-            f"fleet.endurance_s: {battery.endurance_s:.6g} less a reserve of {battery.reserve_s:.6g} is too short:"
-            f" from a charger to ground that is asked for and back takes {charging.ways * battery.usable_s:.6g} s at"
-            " least; give more, or a charger nearer by"
+            f"fleet.endurance_s: {battery.endurance_s:.6g} less a reserve of {battery.reserve_s:.6g}{taken} is too"
+            " short: from a charger to ground that is asked for and back takes at least"
+            f" {charging.ways * battery.usable_s:.6g} s; give more, or a charger nearer by"
         )
 
 

@@ -90,10 +90,10 @@ class _Way(NamedTuple):
 
 
 def charging_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats:
-    """How long robots charge after flights (n,) of so many seconds."""
+    """How long robots charge after flights (n,) of so many seconds of driving, for what taking off took as well."""
     if charger.swap_s is not None:
         return np.full(len(flown_s), charger.swap_s)
-    return flown_s * ((battery.recharge_s or 0.0) / (battery.endurance_s or math.inf))
+    return (flown_s + battery.takeoff_s) * ((battery.recharge_s or 0.0) / (battery.endurance_s or math.inf))
 
 
 def best_cycle(

@@ -2,8 +2,9 @@
 
 Robots leave one after the other, every s seconds, and take the places at chargers in turn. With n robots a round takes
 T = n s, after which the first one leaves again. A robot charges for r T of it where its battery fills as it drives:
-r = R / (E + R), with the endurance E and R from empty to full. Where batteries are swapped it stays for a time w. A
-battery that may use U lasts from one charge to the next where T - (r T + w) <= U, so T <= U / (1 - r) + w. A place is
+r = R / (E + R), with the endurance E and R from empty to full, and for w = R t / (E + R) more where taking off takes t
+of E. Where batteries are swapped it stays for a time w. A battery that may use U in a flight lasts from one charge to
+the next where T - (r T + w) <= U, so T <= (U + w) / (1 - r). A place is
 taken again after p s where p places are in use: they suffice where p s is no less than the charge and what lies between
 two robots at one place. All repeats after the least common multiple of n and p turns.
 
@@ -32,8 +33,8 @@ SHORTER = 0.01  # of a round, by which a shorter one is tried at least
 class Needs:
     """What the batteries of n robots ask, (n,) each.
 
-    usable_s: how long one lasts from full to its reserve, however it moves. share, stays_s: it charges for ``share`` of
-    a round, or stays for ``stays_s``; the other one is 0.
+    usable_s: how long one lasts from leaving a charger full to its reserve, however it moves. share, stays_s: it is
+    at a charger for ``share`` of a round and for ``stays_s``.
     """
 
     usable_s: Floats
@@ -42,11 +43,11 @@ class Needs:
 
     def longest_round_s(self) -> float:
         """The longest round that batteries last for."""
-        return float((self.usable_s / (1 - self.share) + self.stays_s).min())
+        return float(((self.usable_s + self.stays_s) / (1 - self.share)).min())
 
     def fills_s(self, used_s: float) -> float:
         """How long it takes to fill any of them again after so long, at most."""
-        return float((used_s * self.share / (1 - self.share) + self.stays_s).max())
+        return float(((used_s * self.share + self.stays_s) / (1 - self.share)).max())
 
     def charge_s(self, round_s: float) -> float:
         """How long any of them charges in a round, at most."""
@@ -63,13 +64,16 @@ def needs_of(robots: tuple[Robot, ...], chargers: tuple[Charger, ...]) -> Needs:
     for robot in robots:
         battery = robot.battery
         endurance_s = battery.endurance_s or math.inf
-        uses = max(1.0, endurance_s / (battery.standing_endurance_s or endurance_s))
+        uses = max(1.0, battery.standing_uses)
         fills_s = uses * (battery.recharge_s or 0.0)
-        swaps = [charger.swap_s or fills_s * battery.usable_s / endurance_s for charger in chargers]
+        swaps = [
+            charger.swap_s or fills_s * (battery.usable_s + battery.takeoff_s) / endurance_s for charger in chargers
+        ]
+        takes_off_s = (battery.recharge_s or 0.0) * battery.takeoff_s / (endurance_s + fills_s)
         alike = all(charger.swap_s is None for charger in chargers)
         usable.append(battery.usable_s / uses)
         share.append(fills_s / (endurance_s + fills_s) if alike else 0.0)
-        stays.append(0.0 if alike else max(swaps))
+        stays.append(takes_off_s if alike else max(swaps))
     return Needs(usable_s=np.array(usable), share=np.array(share), stays_s=np.array(stays))
 
 

@@ -42,12 +42,6 @@ class Flyer:
             after_s = np.minimum(level_s + fill * stays_s, full_s)
         return np.where(stays_s >= 0, after_s, np.nan)
 
-    @property
-    def standing(self) -> float:
-        """What a second of standing takes of its battery."""
-        full_s = self.robot.battery.endurance_s or math.inf
-        return full_s / (self.robot.battery.standing_endurance_s or full_s)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Arrival:
@@ -68,12 +62,14 @@ class Needs:
 
     def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
         self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
+        takeoff_s = robot.battery.takeoff_s
         self.docked = self._legs.docks >= 0
         count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
         if way.loop_duration_s > 0:
             for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
                 begins_s = self._legs.begins_s[leg : leg + 1]
-                self._after_s[leg - 1] = self._at(np.array([leg]), begins_s)[0]
+                leaves = self.docked[leg - 1] and not self.docked[leg]
+                self._after_s[leg - 1] = self._at(np.array([leg]), begins_s)[0] + takeoff_s * leaves
 
     def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
         """The leg of the round at each of its moments (k,)."""
@@ -167,6 +163,7 @@ class Arrivals:
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
         needs_s, best = self._needs.at(phases_s) + SHORTEST_S, Arrival()
+        docked, takeoff_s = self._needs.docked[self._needs.leg_at(phases_s)], one.robot.battery.takeoff_s
         for via in (None, *self._chargers):
             if via is not None and one.charger is via:
                 continue
@@ -174,12 +171,14 @@ class Arrivals:
             way_s = travel_s[k] if via is None else travel_s[count + self._chargers.index(via)]
             stays_s, charger = moments_s - way_s - to_s, one.charger if via is None else via
             stays_s = np.where(np.abs(stays_s) <= SHORTEST_S, 0.0, stays_s)
+            there_s = one.level_s - to_s - takeoff_s * (via is not None and one.charger is not None)
             if charger is None:
-                left_s = np.where(stays_s >= 0, one.level_s - one.standing * stays_s, np.nan)
-            elif one.level_s - to_s < one.robot.battery.reserve_s + SHORTEST_S * (to_s > 0):
+                left_s = np.where(stays_s >= 0, there_s - one.robot.battery.standing_uses * stays_s, np.nan)
+            elif there_s < one.robot.battery.reserve_s + SHORTEST_S * (to_s > 0):
                 continue
-            else:
-                left_s = one.level_after_s(one.level_s - to_s, stays_s, charger)
+            else:  # who has no way to a round that is docked stays where it is
+                leaves = ~docked | (way_s > SHORTEST_S)
+                left_s = one.level_after_s(there_s, stays_s, charger) - takeoff_s * leaves
             is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - SHORTEST_S, needs_s)
             if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
                 served_s = self._service_s(np.array([now_s, now_s + moments_s[first]]))

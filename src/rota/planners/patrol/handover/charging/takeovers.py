@@ -11,7 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from rota.errors import PlanError
 from rota.geometry.free_space import free_ground
-from rota.model.mission import TOUCH_M, Charger
+from rota.model.mission import TOUCH_M, Charger, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer
 from rota.planners.patrol.handover.charging.timetables import (
@@ -58,11 +58,17 @@ class _Takeover:
             Flyer(
                 robot=robot,
                 place_m=np.array(asked.places[robot.name]),
-                level_s=asked.batteries[robot.name] * (robot.battery.endurance_s or np.inf),
+                level_s=self._level_s(robot),
                 charger=self._charger_of(robot.name),
             )
             for robot in robots
         ]
+
+    def _level_s(self, robot: Robot) -> float:
+        """What a robot has left; one that is new and on no charger has taken off."""
+        level_s = self._asked.batteries[robot.name] * (robot.battery.endurance_s or np.inf)
+        takes_off = robot.name not in self._asked.going_on and self._charger_of(robot.name) is None
+        return level_s - robot.battery.takeoff_s * takes_off
 
     def _charger_of(self, name: str) -> Charger | None:
         """The charger that a robot is on; of a new one that at which it stands."""

@@ -150,7 +150,7 @@ def charge_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
         return charger.swap_s
     way = Trajectory(robot=robot.name, times_s=line.times_s, positions_m=line.places_m, loop_start_s=line.duration_s)
     used = charging_legs(way, robot, (charger,)).uses[: len(line.times_s) - 1]
-    took_s = float((used * np.diff(line.times_s)).sum())
+    took_s = robot.battery.takeoff_s + float((used * np.diff(line.times_s)).sum())
     return took_s * (robot.battery.recharge_s or 0.0) / (robot.battery.endurance_s or math.inf)
 
 
