@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from rota.files.battery_data import BatteryData
 from rota.files.example_mission import example_mission_text
 from rota.files.mission_schema import DRIVING
 from rota.model.batteries import Charger
@@ -13,6 +14,7 @@ from rota.model.fields import any_of, fields_of
 from rota.model.fleet import Abilities, Kind
 from rota.model.mission import DiscSensor, Zone
 from rota.model.motion_limits import MotionLimits
+from rota.vehicles.battery_presets import BATTERIES
 from rota.vehicles.facts import Fact, Vehicle
 from rota.vehicles.presets import VEHICLES
 
@@ -23,8 +25,8 @@ PART = re.compile(r"(<!-- (\w+): python -m docs\.field_tables -->\n).*?(<!-- end
 def with_fields(page: str) -> str:
     """The page's text with its parts about fields as they are declared."""
     parts = {
-        "mission": mission_part, "motion": motion_part, "batteries": batteries_part, "kinds": kinds_part,
-        "vehicles": vehicles_part,
+        "mission": mission_part, "motion": motion_part, "batteries": batteries_part, "presets": presets_part,
+        "kinds": kinds_part, "vehicles": vehicles_part,
     }  # fmt: skip
     return PART.sub(lambda found: found[1] + "\n" + parts[found[2]]() + "\n" + found[3], page)
 
@@ -46,13 +48,25 @@ def motion_part() -> str:
 
 
 def batteries_part() -> str:
-    """A row for each field of batteries, then of chargers."""
+    """A row for each field of batteries, by data sheets and in seconds, then of chargers."""
     rows = [
         f"| `{prefix}{item.name}` | {item.unit} | {item.meaning} |"
-        for prefix, block in (("fleet.", BatteryLimits), ("chargers[].", Charger))
+        for prefix, block in (("fleet.battery.", BatteryData), ("fleet.", BatteryLimits), ("chargers[].", Charger))
         for item in fields_of(block)
     ]
     return "\n".join(["| key | unit | meaning |", "|---|---|---|", *rows, ""])
+
+
+def presets_part() -> str:
+    """A row for each preset of a battery, with where its figures are from."""
+    rows = []
+    for each in BATTERIES.values():
+        facts = [each.capacity_wh, each.moving_s, each.standing_s, each.charging_s]
+        cells = [f"{each.capacity_wh.value:g}", *("" if fact is None else f"{fact.value:g}" for fact in facts[1:])]
+        told = "; ".join(fact.parameter for fact in facts if fact is not None)
+        rows.append(f"| `{each.name}` | {each.told} | {' | '.join(cells)} | {each.capacity_wh.source}: {told} |")
+    head = ["| preset | robot | Wh | moving s | standing s | charging s | from |", "|---|---|---|---|---|---|---|"]
+    return "\n".join([*head, *rows, ""])
 
 
 def kinds_part() -> str:

@@ -53,6 +53,8 @@ INSTEAD: dict[str, Any] = {
     "side_m": 16, "half_angle_deg": 30,
     "importance": 1, "black": 0, "white": 10, "low_m": [0, 0], "step_m": [40, 30], "values": [[1, 2, 1], [1, 9, 1]],
     "leaves_s": 900, "endurance_s": 1200, "standing_endurance_s": 1500, "recharge_s": 2400, "swap_s": 90,
+    "preset": "dji-mavic-3e", "capacity_wh": 77, "moving_w": 103, "standing_w": 122, "charging_w": 65, "takeoff_wh": 2,
+    "reserve_percent": 20,
     "chargers": [{"name": "pad", "at": [2, 2], "places": 4}],
     "moving_obstacles": [{"radius_m": 1, "times_s": [0, 9], "positions_m": [[0, 0], [9, 0]]}],
 }  # fmt: skip

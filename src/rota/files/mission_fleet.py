@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from rota.files.battery_data import seconds_of
 from rota.files.blocks import Fault, make
 from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
@@ -13,7 +14,7 @@ from rota.model.battery_limits import BATTERY_FIELDS, battery_faults
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
 from rota.model.fleet import KINDS_NEED_FEWEST, NO_POINTS_FOR_KINDS, TURNS_ONE_WAY, Abilities, Fleet, Kind, Robot
 from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
-from rota.model.refusals import show_value
+from rota.model.refusals import refusal, show_value
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.presets import NONE, VEHICLES
 
@@ -64,14 +65,17 @@ def _able(made: type[Any], block: Values, common: Driving) -> Any:
 def _without_places(block: Values) -> Values:
     """What a block gives beside what robots can do, without places, which are not in metres yet."""
     return {
-        name: value for name, value in block.items() if name not in (*DRIVING, "start", "entrances", "rally_points")
+        name: value
+        for name, value in block.items()
+        if name not in (*DRIVING, "battery", "start", "entrances", "rally_points")
     }
 
 
 def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
-    """What a block gives, then what its vehicle has by default, then what the fleet has, ``common``.
+    """What a block gives, then what its vehicle or its battery has by default, then what the fleet has, ``common``.
 
-    A robot that names a vehicle has nothing from the fleet's vehicle. Null says that there is no limit.
+    A robot that names a vehicle has nothing from the fleet's vehicle, and one that has a ``battery`` nothing from the
+    fleet's. Null says that there is no limit.
     """
     said = {name: block[name] for name in DRIVING if name in block}
     given = {name: value for name, value in said.items() if value is not None or name not in AS_NOTHING}
@@ -79,15 +83,19 @@ def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
     values: Values = {item.name: None if item.default is REQUIRED else item.default for item in ABLE}
     places = {name: (*place, name) for name in DRIVING}
     if common is not None:
-        kept = NOT_OF_VEHICLES if "vehicle" in given else DRIVING
+        kept: Iterable[str] = NOT_OF_VEHICLES if "vehicle" in given else DRIVING
+        kept = [name for name in kept if not (block.get("battery") and name in BATTERY_FIELDS)]
         values |= {name: common.values[name] for name in kept}
         places |= {name: common.places[name] for name in kept}
     preset = vehicle.preset(DRIVING)
     for name, other in (TURNING, TURNING[::-1]):
         if given.get(name):
             preset.pop(other, None)
-    values |= preset | given
-    places |= {name: (*place, "vehicle") for name in preset} | {name: (*place, name) for name in given}
+    battery = seconds_of(block["battery"]) if block.get("battery") else {}
+    values |= preset | {name: seconds.value for name, seconds in battery.items()} | given
+    places |= {name: (*place, "vehicle") for name in preset}
+    places |= {name: (*place, "battery", seconds.key) for name, seconds in battery.items()}
+    places |= {name: (*place, name) for name in given}
     if values["vehicle"] == NONE.name:
         values["vehicle"] = None
     if values["acceleration_m_s2"] is None:
@@ -159,6 +167,10 @@ def _name_faults(block: Values) -> Iterator[Fault]:
 def _driving_faults(driving: Driving) -> Iterator[Fault]:
     """What does not go together of one robot, or of what a fleet has in common."""
     values, places, vehicle = driving.values, driving.places, driving.vehicle
+    for item in ABLE:
+        for _, _, wrong in item.faults(values[item.name], True) if "battery" in places[item.name] else ():
+            message = refusal(wrong.kind, values[item.name], wrong.given)
+            yield Fault(places[item.name], f"{_whose(item.name, places[item.name])}{message}")
     found = list(motion_faults(values)) or list(driving_faults(values))
     found += battery_faults(values)
     for name, allowed in found:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from shapely import MultiPolygon
 
+from rota.files.battery_data import BatteryData, battery_rules, seconds_beside_watts
 from rota.files.blocks import Block, block_of, field_in, fields_in
 from rota.files.shape_schema import (
     AREA_NEEDED,
@@ -37,6 +38,7 @@ from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refu
 from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
 from rota.model.refusals import Where, fleet_blocks, inner
 from rota.planning.planner import loadable_planners, planner_named
+from rota.vehicles.battery_presets import BATTERIES
 from rota.vehicles.presets import VEHICLES
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
@@ -104,7 +106,8 @@ def moving_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 
 def robot_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    """A robot that leaves before it joins."""
+    """A robot that leaves before it joins, and a battery that is told twice."""
+    yield from seconds_beside_watts(data)
     joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
     if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
         yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
@@ -117,7 +120,8 @@ def start_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
 
 
 def fleet_faults(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    """No speed, and no vehicle that has one; vehicles on the floor that land, or whose sensors look down."""
+    """No speed, and no vehicle that has one; vehicles on the floor that land, or look down; a battery told twice."""
+    yield from seconds_beside_watts(data)
     if data.get("speed_m_s") is None and data.get("vehicle") not in WITH_SPEED:
         yield ("speed_m_s",), "is missing; it is required"
     if data.get("rally_points") and data.get("vehicle") in ON_THE_FLOOR:
@@ -194,11 +198,15 @@ def _blocks() -> dict[Any, Block | Field]:
         return replace(block_of(kind, "mission", rules=rules, says=says), fields=fields)
 
     def driving_block(kind: type[Any], **more: Any) -> Block:
-        """What drives: a fleet or a robot, with the vehicles that are known."""
+        """What drives: a fleet or a robot, with the vehicles that are known, and its battery by a data sheet."""
         block = block_of(kind, "mission", known, **more)
-        return replace(
-            block, fields=tuple(replace(each, **vehicle) if each.name == "vehicle" else each for each in block.fields)
-        )
+        fields = [replace(each, **vehicle) if each.name == "vehicle" else each for each in block.fields]
+        battery = Field(
+            name="battery", kind="block", block=_battery_block(), optional=True, default=None,
+            meaning="as a data sheet tells it, in place of endurance_s and what follows it", as_fleet=kind is not Fleet,
+        )  # fmt: skip
+        at = next(k for k, each in enumerate(fields) if each.name == "endurance_s")
+        return replace(block, fields=(*fields[:at], battery, *fields[at:]))
 
     forms = {item.name: item for item in fields_of(_Forms)}
     zone = {item.name: item for item in fields_in(Zone, "mission")}
@@ -227,7 +235,7 @@ def _blocks() -> dict[Any, Block | Field]:
     obstacle = placed_block(Obstacle, field_in(forms["name"], "mission"), rules=shape_faults, says=one_of(SOURCES))
     known[Obstacle] = field_in(forms["obstacle"], "mission", {Obstacle: obstacle})
     known[Robot] = driving_block(Robot, rules=robot_faults)
-    known[Kind] = driving_block(Kind)
+    known[Kind] = driving_block(Kind, rules=seconds_beside_watts)
     known["robots"] = field_in(forms["robots"], "mission", known)
     with_speed = [
         {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},
@@ -235,6 +243,16 @@ def _blocks() -> dict[Any, Block | Field]:
     ]
     known[Fleet] = driving_block(Fleet, rules=fleet_faults, says={"anyOf": with_speed})
     return known
+
+
+def _battery_block() -> Block:
+    """A battery by its data sheet, with the presets that are known."""
+    says = {"oneOf": [{"required": ["preset"]}, {"required": ["capacity_wh", "moving_w"]}]}
+    block = block_of(BatteryData, "mission", rules=battery_rules, says=says)
+    preset: dict[str, Any] = {"kind": "option", "options": tuple(BATTERIES)}
+    return replace(
+        block, fields=tuple(replace(each, **preset) if each.name == "preset" else each for each in block.fields)
+    )
 
 
 SETTINGS = Field(name="settings", kind="block", optional=True, default=None)

@@ -61,6 +61,7 @@ class BatteryLimits:
 
 
 BATTERY_FIELDS = tuple(item.name for item in fields_of(BatteryLimits))
+BATTERY_KEYS = (*BATTERY_FIELDS, "battery")  # of mission files, which may have data sheets' figures
 
 
 def battery_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -24,7 +24,7 @@ Kind = Literal["number", "whole", "truth", "text", "option", "pair", "list", "bl
 
 UNITS = {
     "_m_s3": "m/s³", "_m_s2": "m/s²", "_m_s": "m/s", "_rad_s": "rad/s",
-    "_deg": "°", "_s": "s", "_m2": "m²", "_m": "m",
+    "_deg": "°", "_s": "s", "_m2": "m²", "_m": "m", "_wh": "Wh", "_w": "W", "_percent": "%",
 }  # fmt: skip
 
 

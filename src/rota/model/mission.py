@@ -13,7 +13,7 @@ from shapely import MultiPolygon, Polygon
 
 from rota.errors import MissionError
 from rota.model.batteries import Charger as Charger, charger_faults as charger_faults
-from rota.model.battery_limits import BATTERY_FIELDS
+from rota.model.battery_limits import BATTERY_KEYS
 from rota.model.corner_faults import corner_faults as corner_faults
 from rota.model.field_values import check_fields, in_file_form
 from rota.model.fields import field_of, fields_of, flat_fields_of
@@ -320,7 +320,7 @@ def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) ->
         if not kind.heeds_motion:
             yield from every_motion(data, MOTION_FIELDS, f"the {kind.planner} planner does not heed it: remove it")
         if not kind.heeds_batteries:
-            yield from every_motion(data, BATTERY_FIELDS, f"the {kind.planner} planner plans no charging: remove it")
+            yield from every_motion(data, BATTERY_KEYS, f"the {kind.planner} planner plans no charging: remove it")
             if data.get("chargers"):
                 yield ("chargers",), f"the {kind.planner} planner has no use for chargers: remove them"
         if not kind.heeds_kinds:

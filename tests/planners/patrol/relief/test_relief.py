@@ -78,6 +78,21 @@ def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:
     assert check_plan(plan).verdict == "met"
 
 
+@pytest.mark.parametrize(("standing_s", "robots"), [(400, 3), (200, 4)])
+def test_standing_may_take_more_than_driving(standing_s: float, robots: int) -> None:
+    """5.8 s of way, 4 s of pause; it stands for s = 388 or 194 s: 2 s + 23 or 3 s + 23 are busy in turns of s + 4."""
+    gate = Zone(name="gate", shape=MultiPolygon([box(50, 30, 60, 40)]), period_s=4)
+    battery = BatteryLimits(endurance_s=400, standing_endurance_s=standing_s, recharge_s=400)
+    post = dataclasses.replace(
+        CORRIDOR, area=MultiPolygon([box(0, 0, 60, 40)]), period_s=None, zones=(gate,),
+        fleet=dataclasses.replace(CORRIDOR.fleet, battery=battery),
+        chargers=(Charger(name="pad", at=(5, 5), places=9),),
+    )  # fmt: skip
+    plan = make_plan(post)
+    assert len(plan) == robots
+    assert check_plan(plan).verdict == "met"
+
+
 def test_robots_with_bodies_relieve_each_other_without_touching() -> None:
     yard = dataclasses.replace(
         YARD,

@@ -106,7 +106,7 @@ def best_cycle(
     one place after each other.
     """
     charger = handovers[members[0]].charger
-    turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery.usable_s)
+    turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery)
     tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s) for k in members]
     busy_s = sum(np.min([way.busy_s for way in ways], axis=0) for ways in tried)
     if not (possible := np.isfinite(busy_s)).any():
@@ -125,13 +125,14 @@ def best_cycle(
     jobs = sum(np.array([way.jobs for way in ways])[own] for own, ways in zip(chosen, tried, strict=True))
     best = int(np.lexsort((busy_s / turns_s, np.round(jobs / turns_s, 9), robots))[0])
     shifts = tuple(
-        _shift(number, ways[own[best]], best, battery) for number, own, ways in zip(members, chosen, tried, strict=True)
+        _shift(number, ways[own[best]], best, battery.usable_s, slots[number].uses(battery))
+        for number, own, ways in zip(members, chosen, tried, strict=True)
     )
     return Cycle(charger=charger, turn_s=float(turns_s[best]), shifts=shifts)
 
 
-def _shift(slot: int, way: _Way, k: int, battery: BatteryLimits) -> Shift:
-    """The shift of a slot that is served this way in turns of the k-th length."""
+def _shift(slot: int, way: _Way, k: int, usable_s: float, uses: float) -> Shift:
+    """The shift of a slot that is served this way in turns of the k-th length; each second there takes ``uses``."""
     rounds, round_s = float(way.rounds[k]), float(way.round_s[k])
     return Shift(
         slot=slot,
@@ -140,14 +141,16 @@ def _shift(slot: int, way: _Way, k: int, battery: BatteryLimits) -> Shift:
         round_s=round_s,
         way_s=way.way_s,
         busy_s=float(way.busy_s[k]) / way.jobs,
-        most_way_s=(battery.usable_s - rounds * round_s) / 2,
+        most_way_s=(usable_s - rounds * round_s * uses) / 2,
     )
 
 
-def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], usable_s: float) -> Floats:
+def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], battery: BatteryLimits) -> Floats:
     """Lengths of turns (n,): whole rounds of some slot that is driven as fast or as slowly as it may be."""
+    usable_s = battery.usable_s
     most_s = max(usable_s, *(slot.most_s for slot in slots))
-    found = [usable_s - 2 * float(own.ways_s.min()) for own in handovers]
+    ways_s = [2 * float(own.ways_s.min()) for own in handovers]
+    found = [(usable_s - way_s) / slot.uses(battery) for slot, way_s in zip(slots, ways_s, strict=True)]
     for slot in slots:
         for round_s in {slot.least_s, slot.most_s} if not slot.line.stays else {slot.most_s}:
             found += (round_s * np.arange(1, min(most_s / round_s, MOST_TURNS) + SAME_ROUND)).tolist()
@@ -160,14 +163,14 @@ def ways_to_serve(
     slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float
 ) -> list[_Way]:
     """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long."""
-    tried = list(_whole_rounds(slot, own, turns_s, clearance_s))
-    if slot.least_s + 2 * float(own.ways_s.min()) > battery.usable_s:
+    tried, uses = list(_whole_rounds(slot, own, turns_s, clearance_s)), slot.uses(battery)
+    if slot.least_s * uses + 2 * float(own.ways_s.min()) > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
     best: dict[tuple[int, float], _Way] = {}
     for jobs, rounds, round_s, way_s, possible in tried:
-        flown_s = rounds * round_s + 2 * way_s
-        possible = possible & (flown_s <= battery.usable_s * (1 + SAME_ROUND))
-        busy_s = np.where(possible, jobs * (flown_s + charging_s(battery, own.charger, flown_s)), np.inf)
+        flown_s, used_s = rounds * round_s + 2 * way_s, rounds * round_s * uses + 2 * way_s
+        possible = possible & (used_s <= battery.usable_s * (1 + SAME_ROUND))
+        busy_s = np.where(possible, jobs * (flown_s + charging_s(battery, own.charger, used_s)), np.inf)
         way = _Way(jobs, np.broadcast_to(rounds, turns_s.shape).astype(float), round_s, way_s, busy_s)
         known = best.setdefault((jobs, way_s), way)
         better = busy_s < known.busy_s * (1 - SAME_ROUND)

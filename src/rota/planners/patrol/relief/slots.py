@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
@@ -37,6 +38,14 @@ class Slot:
     most_s: float
     keeps_step: bool
     passes: float
+
+    def uses(self, battery: BatteryLimits) -> float:
+        """Seconds of driving that a second there takes: as much as of standing, as far as that takes more."""
+        standing = 1.0
+        if not self.line.stays:
+            steps_s, steps_m = np.diff(self.line.times_s), np.hypot(*np.diff(self.line.places_m, axis=0).T)
+            standing = float(steps_s[steps_m == 0].sum() / self.line.duration_s)
+        return 1 + standing * max(0.0, battery.standing_uses - 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
