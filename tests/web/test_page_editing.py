@@ -200,6 +200,34 @@ def test_numbers_of_zones_and_fleet_are_set_beside_the_map(page: Any) -> None:
     assert "swarm" not in kept
 
 
+def test_kinds_of_robots_are_given_what_differs_and_what_one_costs(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    fleet = page.locator("#fleet-form")
+    fleet.get_by_label("Robots", exact=True).select_option("kinds")
+    cards = fleet.locator(".card")
+    cards.nth(0).get_by_label("Name").fill("scout")
+    cards.nth(0).get_by_label("Cost").fill("2.5")
+    cards.nth(0).get_by_label("Most").fill("3")
+    cards.nth(0).get_by_label("Speed (m/s)").fill("7")
+    cards.nth(0).get_by_label("Sensor", exact=True).select_option("square")
+    cards.nth(0).get_by_label("Sensor's side (m)").fill("12")
+    cards.nth(1).get_by_label("Turn rate (rad/s)").fill("0.5")
+    fleet.get_by_role("button", name="Add a kind").click()
+    fleet.get_by_label("Delete kind 2").click()
+    scout = {"name": "scout", "cost": 2.5, "most": 3, "speed_m_s": 7, "sensor": {"shape": "square", "side_m": 12}}
+    assert document(page)["fleet"]["kinds"] == [scout, {"name": "kind-1", "cost": 1}]
+    assert "robots" not in document(page)["fleet"]
+    cards.nth(1).get_by_label("Cost").fill("-1")
+    expect(cards.nth(1)).to_contain_text("-1 is not allowed; it must be greater than 0")
+    cards.nth(1).get_by_label("Cost").fill("4")
+    fleet.get_by_label("Robots", exact=True).select_option("fewest")
+    assert "kinds" not in document(page)["fleet"]
+    fleet.get_by_label("Robots", exact=True).select_option("kinds")
+    assert document(page)["fleet"]["kinds"] == [scout, {"name": "kind-1", "cost": 4}]
+    assert "proved" in judged(page)
+
+
 def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
     new_mission(page)
     draw_polygon(page, "Area", *SQUARE)

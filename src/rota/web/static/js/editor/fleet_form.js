@@ -6,9 +6,13 @@ import { MotionFields } from "./motion_fields.js";
 import { listAt } from "./shapes.js";
 import { withValue } from "./paths.js";
 
-const COUNTS = { fewest: "as few as possible", number: "a number", list: "a list, one by one" };
+const COUNTS = { fewest: "as few as possible", number: "a number", list: "a list, one by one", kinds: "the cheapest of several kinds" };
 const SENSORS = { disc: "disc", square: "square" };
 const FIRST_NUMBER = 3;
+const FIRST_KINDS = [
+  { name: "kind-1", cost: 1 },
+  { name: "kind-2", cost: 2 },
+];
 
 export class FleetForm {
   /**
@@ -21,6 +25,7 @@ export class FleetForm {
     this.fields = fields;
     this.motion = new MotionFields(fields, schema);
     this.built = "";
+    this.kinds = FIRST_KINDS; // those that were there before robots were counted otherwise
   }
 
   get fleet() {
@@ -29,17 +34,21 @@ export class FleetForm {
 
   update() {
     const { document } = this.fields.store;
-    const robots = listAt(document, ["fleet", "robots"]);
-    const kinds = robots.map((robot) => [robot?.sensor?.shape ?? "", robot?.vehicle ?? ""]);
+    const listed = this.lists().map((key) => listAt(document, ["fleet", key]).map((one) => [one?.sensor?.shape ?? "", one?.vehicle ?? ""]));
     const { sensor, vehicle } = this.fleet;
-    const built = JSON.stringify([countOf(this.fleet.robots), sensor?.shape ?? "disc", vehicle ?? "", kinds, document.planner]);
+    const built = JSON.stringify([countOf(this.fleet), sensor?.shape ?? "disc", vehicle ?? "", listed, document.planner]);
     if (built !== this.built) {
       this.built = built;
-      keepingFocus(this.section, () => this.build(robots));
+      keepingFocus(this.section, () => this.build());
     }
   }
 
-  build(robots) {
+  /** Which of a fleet's lists are shown. */
+  lists() {
+    return { list: ["robots"], kinds: ["kinds"] }[countOf(this.fleet)] ?? [];
+  }
+
+  build() {
     const { fields, motion } = this;
     const { vehicle } = this.fleet;
     const heeded = (fields.store.document.planner ?? "patrol") === "patrol" || vehicle !== undefined; // others refuse vehicles
@@ -48,7 +57,7 @@ export class FleetForm {
       { class: "fields" },
       this.count(),
       heeded ? motion.vehicle(["fleet"], "none: changes speed at once") : null,
-      countOf(this.fleet.robots) === "number" ? fields.number(["fleet", "robots"], "Number of robots", { step: "1" }) : null,
+      countOf(this.fleet) === "number" ? fields.number(["fleet", "robots"], "Number of robots", { step: "1" }) : null,
       ...motion.numbers(["fleet"], vehicle, (name) => name === "speed_m_s"),
       ...this.sensor(["fleet", "sensor"], this.fleet.sensor, true),
     );
@@ -62,26 +71,28 @@ export class FleetForm {
         ...motion.numbers(["fleet"], vehicle, (name, about) => name !== "speed_m_s" && about.group === undefined),
       ),
     );
-    const list = countOf(this.fleet.robots) === "list" ? this.robotList(robots) : null;
+    const lists = this.lists().map((key) => this.list(key));
     const limits = heeded ? motion.limits(["fleet"], vehicle) : null;
-    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, list].filter((part) => part !== null));
+    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, ...lists].filter((part) => part !== null));
     fields.update();
   }
 
   count() {
     const select = el("select", {}, ...Object.entries(COUNTS).map(([value, name]) => el("option", { value }, name)));
     select.addEventListener("change", () => this.setCount(select.value));
-    const show = (value) => (select.value = countOf(value));
+    const show = () => (select.value = countOf(this.fleet));
     // as a custom field of its own path only for faults; the number has the same path
     return this.fields.custom(["fleet", "robots"], "Robots", select, show);
   }
 
-  setCount(kind) {
-    const before = this.fleet.robots;
+  setCount(form) {
+    const { robots: before, kinds, ...others } = this.fleet;
+    this.kinds = kinds ?? this.kinds;
     const count = Array.isArray(before) ? before.length : typeof before === "number" ? before : FIRST_NUMBER;
     const list = Array.from({ length: Math.min(count, 100) }, (_, k) => ({ name: `robot-${k + 1}` }));
-    const value = { fewest: "fewest", number: count, list: Array.isArray(before) ? before : list }[kind];
-    this.fields.store.apply(withValue(this.fields.store.document, ["fleet", "robots"], value));
+    const value = { fewest: "fewest", number: count, list: Array.isArray(before) ? before : list }[form];
+    const fleet = form === "kinds" ? { ...others, kinds: this.kinds } : { robots: value, ...others };
+    this.fields.store.apply(withValue(this.fields.store.document, ["fleet"], fleet));
   }
 
   /** A sensor's shape and its size; the size's key goes with the shape. */
@@ -97,15 +108,38 @@ export class FleetForm {
     return [shape, this.fields.number([...path, size[0]], size[1], { unit: "m" })];
   }
 
-  robotList(robots) {
-    const cards = robots.map((robot, k) => this.robot(robot, k));
-    const add = button("Add a robot", () => this.setRobots([...robots, { name: freeName(robots) }]));
-    return el("details", { open: robots.length <= 12 }, el("summary", {}, `${robots.length} robots`), el("div", { class: "plain" }, ...cards, add));
+  /** The cards of all robots, or of all kinds of them. */
+  list(key) {
+    const { store } = this.fields;
+    const path = ["fleet", key];
+    const all = listAt(store.document, path);
+    const one = key.slice(0, -1);
+    const apply = (changed) => store.apply(withValue(store.document, path, changed));
+    const cards = all.map((each, k) => {
+      const parts = key === "kinds" ? this.kind(each, [...path, k]) : this.robot(each, [...path, k]);
+      const remove = button("Delete", () => apply(listAt(store.document, path).filter((_, j) => j !== k)), {
+        "aria-label": `Delete ${one} ${k + 1}`,
+        class: "quiet",
+      });
+      return el("div", { class: "card" }, el("div", { class: "fields" }, ...parts.filter((part) => part !== null)), el("div", {}, remove));
+    });
+    const usual = key === "kinds" ? { cost: 1 } : {};
+    const add = button(`Add a ${one}`, () => apply([...listAt(store.document, path), { name: freeName(all, one), ...usual }]));
+    return el("details", { open: all.length <= 12 }, el("summary", {}, `${all.length} ${key}`), el("div", { class: "plain" }, ...cards, add));
   }
 
-  robot(robot, k) {
+  /** The fields of a kind: its name, its numbers as the schema has them, and what it sees. */
+  kind(kind, path) {
+    return [
+      this.fields.text([...path, "name"], "Name"),
+      this.motion.vehicle(path, "as the fleet"),
+      ...this.motion.numbersOfKinds(path, kind?.vehicle),
+      ...this.sensor([...path, "sensor"], kind?.sensor ?? undefined, false),
+    ];
+  }
+
+  robot(robot, path) {
     const { fields } = this;
-    const path = ["fleet", "robots", k];
     const speed = this.fleet.speed_m_s;
     const asFleet = `as the fleet${speed ? `, ${speed}` : ""}`;
     const parts = [
@@ -118,19 +152,14 @@ export class FleetForm {
     if (this.fields.store.document.planner === "swarm") {
       parts.push(fields.number([...path, "joins_s"], "Joins at", { unit: "s", placeholder: "0" }), fields.number([...path, "leaves_s"], "Leaves at", { unit: "s", placeholder: "never" }));
     }
-    const remove = button("Delete", () => this.setRobots(listAt(fields.store.document, ["fleet", "robots"]).filter((_, j) => j !== k)), {
-      "aria-label": `Delete robot ${k + 1}`,
-      class: "quiet",
-    });
-    return el("div", { class: "card" }, el("div", { class: "fields" }, ...parts), el("div", {}, remove));
-  }
-
-  setRobots(robots) {
-    this.fields.store.apply(withValue(this.fields.store.document, ["fleet", "robots"], robots));
+    return parts;
   }
 }
 
-function countOf(robots) {
+function countOf({ robots, kinds }) {
+  if (Array.isArray(kinds) && kinds.length > 0) {
+    return "kinds";
+  }
   return Array.isArray(robots) ? "list" : robots === undefined || robots === "fewest" ? "fewest" : "number";
 }
 
@@ -142,11 +171,12 @@ function sensorLike(shape, before) {
   return shape === "disc" ? { shape, radius_m: reach } : { shape, side_m: 2 * reach };
 }
 
-function freeName(robots) {
-  const taken = new Set(robots.map((robot) => robot?.name));
+/** A name that none of them has: robot-1, kind-2. */
+function freeName(all, one) {
+  const taken = new Set(all.map((each) => each?.name));
   let number = 1;
-  while (taken.has(`robot-${number}`)) {
+  while (taken.has(`${one}-${number}`)) {
     number += 1;
   }
-  return `robot-${number}`;
+  return `${one}-${number}`;
 }

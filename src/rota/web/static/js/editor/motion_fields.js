@@ -70,6 +70,17 @@ export class MotionFields {
     return wanted.map(([name, about]) => numberField(this.fields, path, name, about, this.preset(vehicle, name)));
   }
 
+  /** The numbers of a kind that belong to no group: its own ones, then those in place of its fleet's. */
+  numbersOfKinds(path, vehicle) {
+    const wanted = numbersOf(this.properties.kinds.items.properties).filter(([, about]) => about.group === undefined);
+    const own = wanted.filter(([name]) => !(name in this.properties));
+    const others = wanted.filter(([name]) => name in this.properties);
+    return [
+      ...own.map(([name, about]) => numberField(this.fields, path, name, about)),
+      ...others.map(([name, about]) => numberField(this.fields, path, name, { ...about, description: "" }, this.preset(vehicle, name, "as the fleet"))),
+    ];
+  }
+
   /** All limits of motion, folded. */
   limits(path, vehicle) {
     const inputs = this.numbers(path, vehicle, (name, about) => about.group === "motion");

@@ -26,7 +26,7 @@ export function worded(name, title = undefined) {
 
 /** The numbers among a block's fields, by their names. */
 export function numbersOf(properties) {
-  return Object.entries(properties).filter(([, about]) => plain(about).type === "number");
+  return Object.entries(properties).filter(([, about]) => ["number", "integer"].includes(plain(about).type));
 }
 
 /**
