@@ -228,6 +228,42 @@ def test_kinds_of_robots_are_given_what_differs_and_what_one_costs(page: Any) ->
     assert "proved" in judged(page)
 
 
+def test_batteries_and_chargers_are_given(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    fleet = page.locator("#fleet-form")
+    fleet.get_by_label("Vehicle", exact=True).select_option("")  # patrol lets charge who changes speed at once
+    fleet.get_by_text("Battery", exact=True).click()
+    fleet.get_by_label("Endurance (s)").fill("600")
+    fleet.get_by_label("Take-off and landing (s)").fill("30")
+    assert "need at least one charger" in judged(page)
+    tool(page, "Charger", "Point")
+    click_map(page, (150, 450))
+    charger = page.locator(".card[data-kind=charger]")
+    charger.get_by_label("Places").fill("3")
+    charger.get_by_label("Swaps batteries in (s)").fill("90")
+    kept = document(page)
+    assert {key: kept["fleet"][key] for key in ("endurance_s", "takeoff_s")} == {"endurance_s": 600, "takeoff_s": 30}
+    assert {key: kept["chargers"][0][key] for key in ("name", "places", "swap_s")} == {
+        "name": "charger 1", "places": 3, "swap_s": 90,
+    }  # fmt: skip
+    assert "proved" in judged(page)
+    fleet.get_by_label("Given", exact=True).select_option("watts")
+    fleet.get_by_label("Take-off and landing (Wh)").fill("1.5")
+    expect(fleet).to_contain_text("is missing; give it, or a preset")
+    fleet.get_by_label("Given", exact=True).select_option("dji-mavic-3e")
+    fleet.get_by_label("Reserve (%)").fill("20")
+    kept = document(page)["fleet"]
+    assert kept["battery"] == {"preset": "dji-mavic-3e", "takeoff_wh": 1.5, "reserve_percent": 20}
+    assert "endurance_s" not in kept
+    assert "proved" in judged(page)
+    fleet.get_by_label("Given", exact=True).select_option("")
+    assert "battery" not in document(page)["fleet"]
+    charger.get_by_label("Delete charger 1").click()
+    assert document(page)["chargers"] == []
+    assert "proved" in judged(page)
+
+
 def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
     new_mission(page)
     draw_polygon(page, "Area", *SQUARE)

@@ -43,7 +43,11 @@ class BatteryData:
         most=MOST_W,
     )
     takeoff_wh: float | None = field_of(
-        None, "that each departure from a charger costs, with its climb and its landing", least=0, most=MOST_WH
+        None,
+        "that each departure from a charger costs, with its climb and its landing",
+        title="take-off and landing",
+        least=0,
+        most=MOST_WH,
     )
     reserve_percent: float | None = field_of(None, "of it that must always be left", least=0, below=100)
 

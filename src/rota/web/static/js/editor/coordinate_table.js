@@ -1,6 +1,7 @@
 /** A shape as numbers: all that can be drawn by mouse can be typed too. */
 
 import { button, el } from "../dom.js";
+import { KINDS } from "./drawing.js";
 
 /**
  * The table of a shape's coordinates.
@@ -32,7 +33,7 @@ export function coordinateTable(shape, degrees, latest, change) {
         radius(shape, latest, change),
       );
     case "points":
-      return el("div", { class: "coordinates" }, table(shape.kind === "entrance" ? "Entrance" : "Start", (now) => now.points, (points, merge) => change({ ...latest(), points }, merge), 1));
+      return el("div", { class: "coordinates" }, table(KINDS[shape.kind], (now) => now.points, (points, merge) => change({ ...latest(), points }, merge), 1));
     case "box":
       return el("div", { class: "coordinates" }, table("Opposite corner", (now) => now.corners, (corners, merge) => change({ ...latest(), corners }, merge), 2));
     default:

@@ -6,10 +6,10 @@ import { placeInWords } from "./places.js";
 
 const L = window.L;
 
-export const KINDS = { area: "Area", zone: "Zone", obstacle: "Obstacle", start: "Start", entrance: "Entrance" };
+export const KINDS = { area: "Area", zone: "Zone", obstacle: "Obstacle", start: "Start", entrance: "Entrance", charger: "Charger" };
 export const FORMS = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle" };
 /** Forms of the kinds that are places; all others have FORMS. */
-const PLACES = { start: { points: "Point", box: "Box", dock: "Dock: all start here" }, entrance: { points: "Point" } };
+const PLACES = { start: { points: "Point", box: "Box", dock: "Dock: all start here" }, entrance: { points: "Point" }, charger: { points: "Point" } };
 const GEOMAN = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle", points: "Marker", box: "Rectangle", dock: "Marker" };
 const HINTS = {
   ring: "Click the corners one after another. Click the first one again, or press Enter, to close. Backspace takes the last corner back, Escape ends.",
@@ -19,6 +19,7 @@ const HINTS = {
   points: "Click where a robot starts. Escape ends.",
   dock: "Click where all robots start side by side, however many there are. Escape ends.",
   entrance: "Click where robots come in: they are only where they can get to from there. Escape ends.",
+  charger: "Click where robots charge. Escape ends.",
 };
 
 /** Whether a kind of shape is places, rather than ground. */
@@ -37,7 +38,7 @@ export class Drawing extends EventTarget {
     this.map = map;
     this.hint = hint;
     this.kind = null;
-    this.form = { shape: "ring", start: "points", entrance: "points" };
+    this.form = { shape: "ring", start: "points", entrance: "points", charger: "points" };
     this.frame = null;
     this.build(tools);
     map.on("pm:create", (event) => this.created(event.layer));
@@ -148,7 +149,7 @@ export class Drawing extends EventTarget {
       element.setAttribute("aria-pressed", String(kind === this.kind));
     }
     this.done.hidden = this.kind === null || this.chosenForm !== "ring";
-    this.hint.textContent = this.kind === null ? "" : HINTS[this.kind === "entrance" ? "entrance" : this.chosenForm];
+    this.hint.textContent = this.kind === null ? "" : HINTS[this.kind in HINTS ? this.kind : this.chosenForm];
   }
 
   key(event) {

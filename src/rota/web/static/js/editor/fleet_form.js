@@ -2,7 +2,7 @@
 
 import { button, el } from "../dom.js";
 import { keepingFocus } from "./fields.js";
-import { MotionFields } from "./motion_fields.js";
+import { MotionFields, batteryForm } from "./motion_fields.js";
 import { listAt } from "./shapes.js";
 import { withValue } from "./paths.js";
 
@@ -36,7 +36,7 @@ export class FleetForm {
     const { document } = this.fields.store;
     const listed = this.lists().map((key) => listAt(document, ["fleet", key]).map((one) => [one?.sensor?.shape ?? "", one?.vehicle ?? ""]));
     const { sensor, vehicle } = this.fleet;
-    const built = JSON.stringify([countOf(this.fleet), sensor?.shape ?? "disc", vehicle ?? "", listed, document.planner]);
+    const built = JSON.stringify([countOf(this.fleet), sensor?.shape ?? "disc", vehicle ?? "", listed, document.planner, batteryForm(this.fleet)]);
     if (built !== this.built) {
       this.built = built;
       keepingFocus(this.section, () => this.build());
@@ -73,7 +73,8 @@ export class FleetForm {
     );
     const lists = this.lists().map((key) => this.list(key));
     const limits = heeded ? motion.limits(["fleet"], vehicle) : null;
-    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, ...lists].filter((part) => part !== null));
+    const battery = fields.store.document.planner === "bounce" ? null : motion.battery(["fleet"], this.fleet);
+    this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, battery, ...lists].filter((part) => part !== null));
     fields.update();
   }
 

@@ -128,8 +128,8 @@ export class ShapeLayers extends EventTarget {
 
   marker(shape, place) {
     const chosen = shape.key === this.shown.chosen ? " start-mark-chosen" : "";
-    const entrance = shape.kind === "entrance" ? " entrance-mark" : "";
-    const icon = L.divIcon({ className: `start-mark${entrance}${chosen}`, iconSize: [16, 16] });
+    const own = shape.kind === "start" ? "" : ` ${shape.kind}-mark`;
+    const icon = L.divIcon({ className: `start-mark${own}${chosen}`, iconSize: [16, 16] });
     return L.marker(place, { icon, pmIgnore: true, title: shape.name, alt: shape.name, keyboard: false, interactive: !this.locked });
   }
 

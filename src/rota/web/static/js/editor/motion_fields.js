@@ -2,7 +2,14 @@
 
 import { el } from "../dom.js";
 import { valueAt, withValue } from "./paths.js";
-import { numberField, numbersOf } from "./schema_fields.js";
+import { numberField, numbersOf, plain } from "./schema_fields.js";
+
+const OF_PRESETS = ["capacity_wh", "moving_w", "standing_w"];
+
+/** How a fleet's battery is given: by a preset's name, by its watts, or in seconds, if at all. */
+export function batteryForm({ battery }) {
+  return battery === undefined || battery === null ? "" : (battery.preset ?? "watts");
+}
 
 /** A fleet or a robot without vehicle and motion, for planners that do not heed them; it keeps its vehicle's speed. */
 export function changingSpeedAtOnce(block, schema) {
@@ -79,6 +86,34 @@ export class MotionFields {
       ...own.map(([name, about]) => numberField(this.fields, path, name, about)),
       ...others.map(([name, about]) => numberField(this.fields, path, name, { ...about, description: "" }, this.preset(vehicle, name, "as the fleet"))),
     ];
+  }
+
+  /** A battery by a preset, by its watts or by the seconds that it lasts, folded. */
+  battery(path, block) {
+    const presets = plain(plain(this.properties.battery).properties.preset).enum;
+    const options = { "": "in seconds, or none", watts: "by its watts", ...Object.fromEntries(presets.map((name) => [name, name])) };
+    const select = el("select", {}, ...Object.entries(options).map(([value, name]) => el("option", { value }, name)));
+    select.addEventListener("change", () => this.chooseBattery(path, select.value));
+    const { battery } = block;
+    const given = this.fields.custom([...path, "battery", "preset"], "Given", select, () => (select.value = batteryForm(block)));
+    const isHad = (name) => battery?.preset !== undefined && OF_PRESETS.includes(name);
+    const inputs =
+      batteryForm(block) === ""
+        ? this.numbers(path, undefined, (name, about) => about.group === "battery")
+        : numbersOf(plain(this.properties.battery).properties)
+            .filter(([name]) => !isHad(name))
+            .map(([name, about]) => numberField(this.fields, [...path, "battery"], name, about));
+    return el("details", {}, el("summary", {}, "Battery"), el("div", { class: "fields" }, given, ...inputs));
+  }
+
+  /** What is told in another way is dropped; a take-off, a reserve and what charges stay between a preset and watts. */
+  chooseBattery(path, form) {
+    const { store } = this.fields;
+    const { battery, ...others } = valueAt(store.document, path) ?? {};
+    const kept = Object.fromEntries(Object.entries(others).filter(([name]) => form === "" || this.properties[name]?.group !== "battery"));
+    const { preset, capacity_wh, moving_w, standing_w, ...either } = battery ?? {};
+    const told = { "": {}, watts: { battery: either } }[form] ?? { battery: { preset: form, ...either } };
+    store.apply(withValue(store.document, path, { ...kept, ...told }));
   }
 
   /** All limits of motion, folded. */

@@ -8,6 +8,9 @@ const UNITS = [
   [/_m$/, "m"],
   [/_s$/, "s"],
   [/_deg$/, "°"],
+  [/_wh$/, "Wh"],
+  [/_w$/, "W"],
+  [/_percent$/, "%"],
 ];
 
 /** What a value may be, where it may be null as well. */

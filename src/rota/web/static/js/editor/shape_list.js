@@ -135,6 +135,11 @@ export class ShapeList extends EventTarget {
       const demand = fields.choice([...path, "demand"], "Asked", { every_point: "every point is seen", visit: "a robot enters" });
       return [el("div", { class: "fields" }, fields.text([...path, "name"], "Name"), period, demand)];
     }
+    if (shape.kind === "charger") {
+      const places = fields.number([...path, "places"], "Places", { step: "1", placeholder: "1" });
+      const swap = fields.number([...path, "swap_s"], "Swaps batteries in", { unit: "s", placeholder: "it fills them" });
+      return [el("div", { class: "fields" }, fields.text([...path, "name"], "Name"), places, swap)];
+    }
     if (shape.kind === "obstacle" && isEditable(shape)) {
       return [el("div", { class: "fields" }, this.obstacleName(shape), this.blocks(shape))];
     }

@@ -4,7 +4,7 @@
  * @typedef {[number, number]} Point as in the document: metres, or longitude and latitude
  * @typedef {{type: "ring", outer: Point[], holes: Point[][]} | {type: "circle", centre: Point, radius_m: number}
  *   | {type: "points", points: Point[]} | {type: "box", corners: Point[]} | {type: "reference", what: string}} Geometry
- * @typedef {"area"|"obstacle"|"zone"|"start"|"entrance"} Kind
+ * @typedef {"area"|"obstacle"|"zone"|"start"|"entrance"|"charger"} Kind
  * @typedef {{kind: Kind, path: (string|number)[], key: string, name: string, geometry: Geometry}} Shape
  */
 
@@ -14,7 +14,7 @@ const ENTRANCES = ["fleet", "entrances"];
 const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "wkt", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text", "cell_m", "graph", "width_m", "place"];
 
 /**
- * All shapes: the area, obstacles, zones, starts, entrances. A document without an area has none of that kind.
+ * All shapes: the area, obstacles, zones, starts, entrances, chargers. A document without an area has none of that kind.
  * @returns {Shape[]}
  */
 export function shapesOf(document) {
@@ -30,6 +30,11 @@ export function shapesOf(document) {
   listAt(document, ["zones"]).forEach((block, k) => add("zone", ["zones", k], textOr(block?.name, `Zone ${k + 1}`), block));
   add("start", ["fleet", "start"], "Starts", document.fleet?.start);
   add("entrance", ENTRANCES, "Entrances", { points: document.fleet?.entrances });
+  listAt(document, ["chargers"]).forEach((charger, k) => {
+    if (isPoint(charger?.at)) {
+      add("charger", ["chargers", k], textOr(charger.name, `Charger ${k + 1}`), { points: [charger.at] });
+    }
+  });
   listAt(document, ["fleet", "robots"]).forEach((robot, k) => {
     if (isPoint(robot?.start)) {
       add("start", ["fleet", "robots", k, "start"], `Start of ${textOr(robot.name, `robot ${k + 1}`)}`, { points: [robot.start] });
@@ -115,6 +120,9 @@ export function withGeometry(document, path, geometry) {
   if (pathKey(path) === pathKey(ENTRANCES)) {
     return withValue(document, path, geometry.points);
   }
+  if (path[0] === "chargers") {
+    return withValue(document, [...path, "at"], geometry.points[0]);
+  }
   const isRobotStart = path.length === 4;
   const value = isRobotStart ? geometry.points[0] : blockWith(valueAt(document, path), geometry);
   return withValue(document, path, value);
@@ -142,9 +150,12 @@ export function withNewShape(document, kind, geometry) {
   if (kind === "entrance") {
     return { document: withValue(document, ENTRANCES, [...listAt(document, ENTRANCES), ...geometry.points]), path: ENTRANCES };
   }
-  const list = kind === "zone" ? "zones" : "obstacles";
+  const list = { zone: "zones", charger: "chargers" }[kind] ?? "obstacles";
   const at = listAt(document, [list]).length;
-  const block = kind === "zone" ? { name: freeName(document), period_s: newPeriod(document), ...zoneBlock(geometry) } : blockWith(null, geometry);
+  if (kind === "charger") {
+    return { document: withValue(document, [list, at], { name: freeName(document, list, kind), at: geometry.points[0] }), path: [list, at] };
+  }
+  const block = kind === "zone" ? { name: freeName(document, list, kind), period_s: newPeriod(document), ...zoneBlock(geometry) } : blockWith(null, geometry);
   return { document: withValue(document, [list, at], block), path: [list, at] };
 }
 
@@ -153,14 +164,14 @@ function zoneBlock(geometry) {
   return Array.isArray(block) ? { ring: block } : block;
 }
 
-/** A zone's first name that no other has. */
-function freeName(document) {
-  const taken = new Set(listAt(document, ["zones"]).map((zone) => zone?.name));
+/** The first name for one of a list that no other there has. */
+function freeName(document, list, kind) {
+  const taken = new Set(listAt(document, [list]).map((one) => one?.name));
   let number = 1;
-  while (taken.has(`zone ${number}`)) {
+  while (taken.has(`${kind} ${number}`)) {
     number += 1;
   }
-  return `zone ${number}`;
+  return `${kind} ${number}`;
 }
 
 /** A new zone's period: half of the area's. */

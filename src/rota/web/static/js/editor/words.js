@@ -19,9 +19,9 @@ const NAMES = {
   turn_rate_rad_s: "turn rate",
 };
 const UNITS = /_(m_s3|m_s2|m_s|rad_s|m2|m|s|deg)$/;
-const LISTS = { zones: "zone", obstacles: "obstacle", moving_obstacles: "moving obstacle" };
-const FLEET_LISTS = { robots: "robot", entrances: "entrance" };
-const IN_TEXT = /\b(?:area|zones|obstacles|moving_obstacles|fleet|patrol|swarm|bounce|origin)(?:\[\d+\]|\.[a-z][a-z_]*)+/g;
+const LISTS = { zones: "zone", obstacles: "obstacle", moving_obstacles: "moving obstacle", chargers: "charger" };
+const FLEET_LISTS = { robots: "robot", kinds: "kind", entrances: "entrance" };
+const IN_TEXT = /\b(?:area|zones|obstacles|moving_obstacles|chargers|fleet|patrol|swarm|bounce|origin)(?:\[\d+\]|\.[a-z][a-z_]*)+/g;
 
 /**
  * A path in words; the document tells names.
