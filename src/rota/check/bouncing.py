@@ -164,10 +164,12 @@ class _Robot:
         nth = np.arange(len(leg)) - np.repeat(np.cumsum(counts) - counts, counts)
         begins = self._cells[leg] + nth[:, None] * self._floor.moves[headings[leg]]
         self._passed.append(begins + self._floor.moves[headings[leg]])
-        states, inverse = np.unique(np.column_stack([begins, headings[leg]]), axis=0, return_inverse=True)
-        blocked = (
-            self._floor.blocks_moves(states[:, :2], states[:, 2])[inverse.ravel()] if len(states) else np.zeros(0, bool)
+        across = begins - (begins.min(axis=0) if len(begins) else 0)
+        numbers = across[:, 0] * (across[:, 1].max(initial=0) + 1) + across[:, 1]  # of rows it would take ten times
+        _, first, inverse = np.unique(
+            numbers * len(self._floor.moves) + headings[leg], return_index=True, return_inverse=True
         )
+        blocked = self._floor.blocks_moves(begins[first], headings[leg][first])[inverse]
         for k in np.unique(leg[blocked])[:MOST_PER_ROBOT]:
             self._found.append(
                 self._wrong("drives through what blocks it", int(k), float(blocked[leg == k].sum()), 0, "moves")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -14,6 +16,7 @@ from rota.geometry.kernels import EdgeGrid
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
+Number = TypeVar("Number", np.float64, np.int64)
 
 # Cells per edge: few enough to build in milliseconds, so many that most cells hold no edge and lines skip over them.
 _CELLS_PER_EDGE = 16
@@ -92,15 +95,13 @@ def visibility_polygon(
     if sides < 3:
         raise ValueError(f"sides: {sides!r} is not allowed; must be 3 or more")
     viewer = _rows(np.asarray(point_m, dtype=np.float64).reshape(1, -1), 2, "point_m")[0]
-    angles = 2 * math.pi * (np.arange(sides) + 0.5) / sides
-    rim = reach_m / math.cos(math.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)])
+    frame, bare = _frame(float(reach_m), sides)
     walls = _rows(walls_m, 4, "walls_m") - np.concatenate([viewer, viewer])
     low, high = np.minimum(walls[:, 1], walls[:, 3]), np.maximum(walls[:, 1], walls[:, 3])
     # walls at other heights are out of reach and cross no ray from the origin to the right
-    near = np.ascontiguousarray(walls[(low <= rim[:, 1].max()) & (high >= rim[:, 1].min())])
-    ring = _sweep(near, np.hstack([rim, np.roll(rim, -1, axis=0)]))
-    step = ring - np.roll(ring, 1, axis=0)
-    ring = ring[np.hypot(step[:, 0], step[:, 1]) > _SAME_CORNER * reach_m]
+    near = np.ascontiguousarray(walls[(low <= frame[:, 1].max()) & (high >= frame[:, 1].min())])
+    swept = _sweep(near, frame)
+    ring = bare if swept is None else _corners_of(swept, reach_m)
     if len(ring) < 3:
         return Polygon()
     seen = Polygon(ring + viewer)
@@ -111,19 +112,41 @@ def visibility_polygon(
     return joined if isinstance(joined, Polygon | MultiPolygon) else Polygon()
 
 
-def _sweep(walls: Floats, frame: Floats) -> Floats:
-    """Border (k, 2), turning left, of what the origin sees inside the frame; no rows when it lies in an obstacle."""
+@lru_cache(maxsize=16)
+def _frame(reach_m: float, sides: int) -> tuple[Floats, Floats]:
+    """The sides (n, 4) of a regular polygon round the circle of this radius, and the corners (k, 2) of a bare view."""
+    angles = 2 * math.pi * (np.arange(sides) + 0.5) / sides
+    rim = reach_m / math.cos(math.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)])
+    frame = np.hstack([rim, np.roll(rim, -1, axis=0)])
+    return frame, _corners_of(_between(frame, np.empty((0, 3))), reach_m)
+
+
+def _corners_of(ring: Floats, reach_m: float) -> Floats:
+    """The points of a border without those that are the ones before them."""
+    step = ring - _before(ring)
+    return ring[np.hypot(step[:, 0], step[:, 1]) > _SAME_CORNER * reach_m]
+
+
+def _sweep(walls: Floats, frame: Floats) -> Floats | None:
+    """Border (k, 2), turning left, of what the origin sees inside the frame; no rows when it lies in an obstacle.
+
+    None: all within the frame.
+    """
     lines, rays = np.empty((len(walls), 4)), np.empty((2 * len(walls), 3))
     count, touching = sight_kernels.lines_in_frame(walls, frame, lines, rays)
     if not touching and sight_kernels.is_inside(walls):
         return np.zeros((0, 2))
-    lines, rays = np.vstack([lines[:count], frame]), rays[:touching]
+    return _between(np.concatenate([lines[:count], frame]), rays[:touching]) if count or touching else None
+
+
+def _between(lines: Floats, rays: Floats) -> Floats:
+    """Border (k, 2) of what the origin sees between lines (n, 4), the frame among them, and rays (m, 3)."""
     begins, ends, borders = _angles(lines[:, :2]), _angles(lines[:, 2:]), _angles(rays[:, :2])
     angles = np.unique(np.concatenate([begins, ends, borders]))
     middles = (angles + np.append(angles[1:], angles[0] + 2 * math.pi)) / 2
     first, last = np.searchsorted(angles, begins), np.searchsorted(angles, ends)
     nearest = sight_kernels.nearest_lines(lines, first, last, np.cos(middles), np.sin(middles))
-    if touching:
+    if len(rays):
         order = np.lexsort([rays[:, 2], borders])
         past = order[np.searchsorted(borders[order], angles, side="right") - 1]
         nearest[rays[past, 2] == 1] = _HIDDEN
@@ -134,10 +157,10 @@ def _ring(lines: Floats, angles: Floats, nearest: NDArray[np.int64]) -> Floats:
     """Both ends of each run of sectors in which one line is nearest; the origin where an obstacle begins at it."""
     sectors = np.flatnonzero(nearest != -1)  # a sector without a line is narrower than rounding
     seen = nearest[sectors]
-    new = np.flatnonzero(seen != np.roll(seen, 1))
+    new = np.flatnonzero(seen != _before(seen))
     if not len(new):
         new = np.zeros(1, dtype=np.int64)
-    starts, stops = sectors[new], sectors[np.roll(new, -1) - 1]
+    starts, stops = sectors[new], sectors[np.append(new[1:], new[0]) - 1]
     line = seen[new]
     directions = np.stack([angles[starts], angles[(stops + 1) % len(angles)]], axis=1)
     ux, uy = np.cos(directions), np.sin(directions)
@@ -147,6 +170,11 @@ def _ring(lines: Floats, angles: Floats, nearest: NDArray[np.int64]) -> Floats:
     ring = np.stack([x + along * wx, y + along * wy], axis=2)
     ring[line == _HIDDEN] = 0.0
     return ring.reshape(-1, 2)
+
+
+def _before(values: NDArray[Number]) -> NDArray[Number]:
+    """The value, or the row, before each one; the last one before the first."""
+    return np.concatenate([values[-1:], values[:-1]])
 
 
 def _angles(vectors: Floats) -> Floats:

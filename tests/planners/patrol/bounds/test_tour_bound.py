@@ -183,6 +183,6 @@ def test_nothing_is_proved_of_what_robots_on_a_lattice_can_do() -> None:
 
 def test_places_spread_out_from_the_farthest() -> None:
     xy_m = np.array([[0.0, 0.0], [1.0, 0.0], [10.0, 0.0], [5.0, 1.0]])
-    assert list(spread_out(xy_m)) == [2, 0, 3, 1]
-    assert list(spread_out(xy_m, 3)) == [3, 0, 2, 1]
-    assert len(spread_out(np.zeros((0, 2)))) == 0
+    assert list(spread_out(xy_m, 4)) == [2, 0, 3, 1]
+    assert list(spread_out(xy_m, 4, 3)) == [3, 0, 2, 1]
+    assert len(spread_out(np.zeros((0, 2)), 4)) == 0

@@ -54,7 +54,7 @@ def move_into(place: int, x: float, y: float, tasks: Any, at: Any) -> None:
     nearest = np.inf
     for k in range(corners):
         from_x, from_y = tasks.corner_m[place, k]
-        to_x, to_y = tasks.corner_m[place, (k + 1) % corners]
+        to_x, to_y = tasks.corner_m[place, k + 1 if k + 1 < corners else 0]
         along_x, along_y, dx, dy = to_x - from_x, to_y - from_y, x - from_x, y - from_y
         if along_x * dy - along_y * dx >= 0:
             continue
@@ -109,7 +109,7 @@ def is_longer(order: Any, xy: Any, first: int, last: int, limit_m: float, tasks:
     for step in range(80):  # later ones prove next to nothing more
         length, most, round_walls = 0.0, 0.0, -1
         for i in range(first, last):
-            leg = math.hypot(xy[i + 1, 0] - xy[i, 0], xy[i + 1, 1] - xy[i, 1])
+            leg = math.sqrt((xy[i + 1, 0] - xy[i, 0]) ** 2 + (xy[i + 1, 1] - xy[i, 1]) ** 2)
             if fixed[i] > 0:
                 length += fixed[i]
                 weight[i] = 0.0

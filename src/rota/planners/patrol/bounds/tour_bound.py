@@ -72,8 +72,8 @@ def cannot_do(robots: int, moments: list[tuple[int, Tasks]], most_states: int, s
 
 def moments_of(witnesses: Witnesses, speed_m_s: float) -> Iterator[tuple[int, Tasks]]:
     """Moments told by one, two or three places far from each other; how many, and the tasks about the moment 0."""
-    for place in spread_out(witnesses.centre_m)[:24]:  # more proved next to nothing
-        group = spread_out(witnesses.centre_m, int(place))[:3]
+    for place in spread_out(witnesses.centre_m, 24):  # more proved next to nothing
+        group = spread_out(witnesses.centre_m, 3, int(place))
         for count in range(1, len(group) + 1):
             yield count, tasks_about(witnesses, speed_m_s, group[:count])
 
@@ -94,11 +94,11 @@ def tasks_about(witnesses: Witnesses, speed_m_s: float, group: Ints) -> Tasks:
     )
 
 
-def spread_out(xy_m: Floats, first: int | None = None) -> Ints:
-    """The points (n, 2) in an order: each as far as can be from those before, the first (None) from the middle."""
-    order = np.zeros(len(xy_m), dtype=np.int64)
+def spread_out(xy_m: Floats, most: int, first: int | None = None) -> Ints:
+    """``most`` of the points (n, 2): each as far as can be from those before, the first (None) from the middle."""
+    order = np.zeros(min(most, len(xy_m)), dtype=np.int64)
     away = np.hypot(*(xy_m - (xy_m.mean(axis=0) if first is None else xy_m[first])).T) if len(xy_m) else np.zeros(0)
-    for k in range(len(xy_m)):
+    for k in range(len(order)):
         order[k] = int(np.argmax(away)) if k > 0 or first is None else first
         from_it = np.hypot(*(xy_m - xy_m[order[k]]).T)
         away = from_it if k == 0 else np.minimum(away, from_it)

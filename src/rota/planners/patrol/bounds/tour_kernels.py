@@ -83,15 +83,16 @@ def can_be_in_time(order: Any, xy: Any, count: int, at: int, tasks: Any) -> bool
     return True
 
 
-@kernel
-def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any, tasks: Any) -> float:
+@allocation_free
+def least_miss(task: int, known: float, xy: Any, count: int, early: Any, late: Any, tasks: Any, near: Any) -> float:
     """By how many metres a robot that does its tasks on the way xy misses one more, at least; its time counts half.
 
-    early, late: (m,) when it can be at each of its tasks.
+    known: others miss it by no more. early, late: (m,) when it can be at each of its tasks. near: (2,), written.
     """
     place, opens, closes = tasks.place[task], tasks.opens_m[task], tasks.closes_m[task]
-    x, y, least, near = tasks.centre_m[place, 0], tasks.centre_m[place, 1], np.inf, np.empty(2)
-    for i in range(max(1, count - 1)):
+    x, y, radius = tasks.centre_m[place, 0], tasks.centre_m[place, 1], tasks.radius_m[place]
+    least, around = known, 1.1 * radius  # corners of convex places are a little farther from the centre
+    for i in range(max(1, count - 1) if known > 0 else 0):
         at_x, at_y, begins, ends = xy[i, 0], xy[i, 1], -np.inf, np.inf
         if count > 1:
             along_x, along_y = xy[i + 1, 0] - at_x, xy[i + 1, 1] - at_y
@@ -99,6 +100,8 @@ def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any
             share = ((x - at_x) * along_x + (y - at_y) * along_y) / square if square > 0 else 0.0
             share = min(1.0, max(0.0, share))
             at_x, at_y = at_x + share * along_x, at_y + share * along_y
+            if (x - at_x) ** 2 + (y - at_y) ** 2 >= (least + around) ** 2:
+                continue
             if i > 0 or share > 0:
                 begins = early[i] + share * math.sqrt(square)
             if i < count - 2 or share < 1:
@@ -109,7 +112,7 @@ def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any
             move_into(place, at_x, at_y, tasks, near)
             away = math.hypot(near[0] - at_x, near[1] - at_y)
         else:
-            away = math.hypot(x - at_x, y - at_y) - tasks.radius_m[place]
+            away = math.hypot(x - at_x, y - at_y) - radius
         wait = max(0.0, opens - ends, begins - closes)
         least = min(least, max(0.0, away) + 0.5 * wait)
     return least
@@ -118,7 +121,7 @@ def least_miss(task: int, order: Any, xy: Any, count: int, early: Any, late: Any
 @kernel
 def weigh_tasks(orders: Any, tasks: Any, missed: Any) -> None:
     """Write by how much each task is missed by all robots that have tasks into missed (n,)."""
-    early, late = np.empty(LONGEST), np.empty(LONGEST)
+    early, late, near = np.empty(LONGEST), np.empty(LONGEST), np.empty(2)
     missed[:] = np.inf
     for robot in range(orders.count.shape[0]):
         count, order, xy = orders.count[robot], orders.task[robot], orders.xy_m[robot]
@@ -132,7 +135,7 @@ def weigh_tasks(orders: Any, tasks: Any, missed: Any) -> None:
             leg = math.hypot(xy[i + 1, 0] - xy[i, 0], xy[i + 1, 1] - xy[i, 1])
             late[i] = min(tasks.closes_m[order[i]], late[i + 1] - leg)
         for task in range(missed.shape[0]):
-            missed[task] = min(missed[task], least_miss(task, order, xy, count, early, late, tasks))
+            missed[task] = least_miss(task, missed[task], xy, count, early, late, tasks, near)
 
 
 @kernel

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -59,7 +60,7 @@ class Witnesses:
     def __len__(self) -> int:
         return len(self.period_s)
 
-    @property
+    @cached_property
     def apart_m(self) -> Floats:
         """(n, n) metres at least between a place that serves one and a place that serves the other; 0 on itself."""
         apart = np.maximum(0.0, self.way_m - self.spread_m[:, None] - self.spread_m[None, :])
@@ -192,11 +193,12 @@ class _WiderSpace:
             return None
         if not shapely.contains_xy(self.travel, *point_m):
             return self._place(shapely.get_coordinates(shapely.point_on_surface(view))[0], view, None, None)
-        straight = visibility_polygon(point_m, self.borders, self.reach_m)
         corners = shapely.get_coordinates(view) - point_m
-        within_m = min(self.reach_m, float(np.hypot(corners[:, 0], corners[:, 1]).max()))
-        bent = shapely.difference(view, straight.buffer(1e-3 * ROOM * self.reach_m))
-        spread_m = max(within_m, self._farthest(point_m, bent))
+        spread_m = within_m = min(self.reach_m, float(np.hypot(corners[:, 0], corners[:, 1]).max()))
+        if not _is_convex(view):  # or else all of it is reached straight
+            straight = visibility_polygon(point_m, self.borders, self.reach_m)
+            bent = shapely.difference(view, straight.buffer(1e-3 * ROOM * self.reach_m))
+            spread_m = max(within_m, self._farthest(point_m, bent))
         return self._place(point_m, view, spread_m, within_m)
 
     def where_inside(self, shape: MultiPolygon) -> _Place | None:
@@ -252,6 +254,15 @@ class _WiderSpace:
         return farthest
 
 
+def _is_convex(shape: BaseGeometry) -> bool:
+    """Whether it is one polygon that bends to one side only, but for rounding."""
+    step = np.diff(shapely.get_coordinates(shape), axis=0)
+    after, rounding = np.roll(step, -1, axis=0), 1e-12 * float((step * step).sum())
+    bend = step[:, 0] * after[:, 1] - step[:, 1] * after[:, 0]
+    bends_once = bool((bend >= -rounding).all() or (bend <= rounding).all())
+    return bends_once and isinstance(shape, Polygon) and not len(shape.interiors)
+
+
 def _pad(hulls: Sequence[Floats | None]) -> Floats:
     """The corners (n, c, 2) of all hulls; zeros after those of each."""
     corner_m = np.zeros((len(hulls), max([1, *(len(hull) for hull in hulls if hull is not None)]), 2))
@@ -292,16 +303,16 @@ def _well_seen(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> 
 
 def _spread_out(xy_m: Floats, among: Ints, already: list[int], count: int, nearest_m: float) -> list[int]:
     """Up to ``count`` points, each as far as can be from those before and not nearer than ``nearest_m``."""
-    away = np.full(len(among), np.inf)
+    away, (x, y) = np.full(len(among), np.inf), np.ascontiguousarray(xy_m[among].T)
     for i in already:
-        away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[i]).T))
+        np.minimum(away, np.hypot(x - xy_m[i, 0], y - xy_m[i, 1]), out=away)
     spread: list[int] = []
     for _ in range(count):
         k = int(np.argmax(away))
         if away[k] < nearest_m:
             break
         spread.append(int(among[k]))
-        away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[among[k]]).T))
+        np.minimum(away, np.hypot(x - x[k], y - y[k]), out=away)
     return spread
 
 
