@@ -15,6 +15,8 @@ from rota.model.fleet import DiscSensor, Fleet
 from rota.model.motion_limits import AT_ONCE, MotionLimits
 from rota.vehicles.presets import VEHICLES
 
+SCHEMA = jsonschema.Draft202012Validator(mission_schema())  # whether it is a schema is asked in another test
+
 
 def read(tmp_path: Path, **fleet: Any) -> Fleet:
     return told(tmp_path, **fleet)[0]
@@ -27,7 +29,7 @@ def told(tmp_path: Path, **fleet: Any) -> tuple[Fleet, tuple[str, ...]]:
     }  # fmt: skip
     path = tmp_path / "mission.yaml"
     path.write_text(yaml.safe_dump(document))
-    jsonschema.validate(document, mission_schema())
+    SCHEMA.validate(document)
     done = read_mission(path)
     return done.mission.fleet, done.warnings
 

@@ -226,13 +226,12 @@ def test_any_plan_survives_bit_for_bit_and_fits_the_schema(plan: Plan) -> None:
 
 
 def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
-    schema = fields.plan_schema()
-    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator.check_schema(fields.plan_schema())
     document = plan_to_json(harbour())
-    jsonschema.validate(document, schema)
+    SCHEMA.validate(document)
     document["mission"]["fleet"]["speed"] = 3
     with pytest.raises(jsonschema.ValidationError, match="speed"):
-        jsonschema.validate(document, schema)
+        SCHEMA.validate(document)
 
 
 def test_what_a_mission_does_not_limit_is_not_written() -> None:
@@ -299,7 +298,7 @@ def test_a_bounce_plan_keeps_its_angles_and_a_turn_is_a_leg_without_length() -> 
     )
     plan = Plan(mission=mission, trajectories=(turns,))
     document = plan_to_json(plan)
-    jsonschema.validate(document, fields.plan_schema())
+    SCHEMA.validate(document)
     assert document["mission"]["bounce"]["bouncing_angles_deg"] == [135.0, 90.0]
     assert plan_from_text(plan_text(plan), "plan.json") == plan
     document["mission"]["bounce"]["bouncing_angles_deg"] = [100.0]
@@ -313,7 +312,7 @@ def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_s
     fewest = dataclasses.replace(plan.mission.fleet, robots=None, start=points)
     plan = Plan(mission=dataclasses.replace(plan.mission, fleet=fewest), trajectories=plan.trajectories)
     document = plan_to_json(plan)
-    jsonschema.validate(document, fields.plan_schema())
+    SCHEMA.validate(document)
     assert plan_from_json(document) == plan
     document["mission"]["fleet"]["start"]["box"] = [[0, 0], [1, 1]]
     with pytest.raises(PlanError, match="exactly one of box and points"):
@@ -329,7 +328,7 @@ def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> No
     told = dataclasses.replace(harbour(), lower_bound_reason="2 places are too far apart")
     document = plan_to_json(told)
     assert document["lower_bound_reason"] == "2 places are too far apart"
-    jsonschema.validate(document, fields.plan_schema())
+    SCHEMA.validate(document)
     assert plan_from_json(document) == told
     # plans of before have none, and stay as they were
     document = plan_to_json(harbour())
@@ -343,7 +342,7 @@ def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> No
 def test_the_mark_of_an_unmet_demand_is_written_and_not_believed() -> None:
     document = plan_to_json(harbour(), meets_demand=False)
     assert document["meets_demand"] is False
-    jsonschema.validate(document, fields.plan_schema())
+    SCHEMA.validate(document)
     assert plan_from_json(document) == harbour()
     assert "meets_demand" not in plan_to_json(harbour())
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
-from tests.short_searches import short_searches as short_searches
 
 from rota import (
     DiscSensor,
@@ -58,7 +56,6 @@ def changes(draw: st.DrawFn, names: tuple[str, ...]) -> dict[str, object]:
     return {"at_s": draw(st.floats(0, 500)), "lost": lost, "joined": joined, "late": late}
 
 
-@pytest.mark.usefixtures("short_searches")
 @settings(max_examples=6, deadline=None, derandomize=True, database=None)
 @given(st.data())
 def test_whatever_changes_the_answer_can_be_driven_from_where_robots_are(data: st.DataObject) -> None:

@@ -11,7 +11,6 @@ import shapely
 from benchmarks.time_sampling import Sampled, lattice
 from tests.replanning.relays import relay
 from tests.replanning.rings import ROUND_S, ring_mission, ring_plan
-from tests.short_searches import short_searches as short_searches
 
 import rota
 from rota import (

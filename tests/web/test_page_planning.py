@@ -36,6 +36,7 @@ def test_draw_plan_watch_lose_export_reload(page: Any, page_server: Any, tmp_pat
     assert "proved" in judged(page)
     page.get_by_role("button", name="On to planning").click()
     expect(page.locator("#tab-plan")).to_be_focused()
+    page.get_by_label("Effort").select_option("quick")
     page.locator("#seed").fill("3")
     page.get_by_label("Time limit (s)").fill("100")
     page.get_by_role("button", name="Plan", exact=True).click()

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 import shapely
 from shapely import MultiPolygon, box
-from tests.short_searches import short_searches as short_searches
 
 import rota
 from rota.check import check_plan

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from shapely import MultiPolygon, box
-from tests.short_searches import short_searches as short_searches
 
 from rota import check_plan, make_plan
 from rota.errors import MissionError, NoPlanFound

@@ -96,6 +96,7 @@ def test_standing_may_take_more_than_driving(standing_s: float, robots: int) -> 
 def test_robots_with_bodies_relieve_each_other_without_touching() -> None:
     yard = dataclasses.replace(
         YARD,
+        area=MultiPolygon([box(0, 0, 20, 14)]),
         fleet=dataclasses.replace(
             YARD.fleet, body_radius_m=0.1, battery=BatteryLimits(endurance_s=600, recharge_s=600)
         ),
@@ -103,7 +104,7 @@ def test_robots_with_bodies_relieve_each_other_without_touching() -> None:
     )
     plan = make_plan(yard)
     assert check_plan(plan).verdict == "met"
-    assert any(trajectory.charges for trajectory in plan)
+    assert sum(len(trajectory.charges) > 0 for trajectory in plan) > 1
 
 
 def test_chargers_with_too_few_places_are_refused_with_the_reason() -> None:

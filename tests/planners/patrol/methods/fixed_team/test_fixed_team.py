@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from shapely import MultiPolygon, box
-from tests.short_searches import short_searches as short_searches
 
 import rota
 from rota.check import check_plan

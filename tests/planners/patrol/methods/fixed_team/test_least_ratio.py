@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 from shapely.geometry.base import BaseGeometry
-from tests.short_searches import short_searches as short_searches
 from typer.testing import CliRunner
 
 import rota

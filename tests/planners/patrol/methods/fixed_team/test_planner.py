@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
-from tests.short_searches import short_searches as short_searches
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound

@@ -1,0 +1,5 @@
+"""Short searches for all tests of patrol."""
+
+from __future__ import annotations
+
+from tests.short_searches import short_searches as short_searches
