@@ -18,9 +18,9 @@ DEPOT = Floor(
 Pair = tuple[float, float]
 
 
-def write_building(folder: Path) -> Path:
+def write_building(folder: Path, seed: int = 0) -> Path:
     """A ragged hall with rooms: slow robots with a body, 1,400 corners, much of it seen through gaps only."""
-    mission = write_floor("building-1400", DEPOT, 0, folder)
+    mission = write_floor("building-1400", DEPOT, seed, folder)
     text = mission.read_text().replace("speed_m_s: 0.8", "speed_m_s: 0.3")
     mission.write_text(text.replace("body_radius_m: 0.2\n", "body_radius_m: 0.22\n"))
     return mission

@@ -18,6 +18,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.charging import plan_that_charges
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the_way
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
@@ -171,7 +172,6 @@ def plan_tours(
 
     The last is what the method finds; before it comes the same with the loops that the mission prefers, if any are
     better.
-
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
     on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
@@ -184,6 +184,7 @@ def plan_tours(
     problem = set_up_problem(least, should_stop=laid_out_by)
     if least is not mission and not first_tours_do(problem):
         problem = set_up_problem(mission, should_stop=laid_out_by)
+    refuse_pockets_in_the_way(problem)
 
     def search(problem: Problem) -> Context:
         return begin_search(
