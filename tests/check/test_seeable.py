@@ -179,7 +179,6 @@ def test_where_bodies_stand_is_the_same_in_tiles(monkeypatch: pytest.MonkeyPatch
     blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.1, 1.2, (60, 2))).T))
     m = mission(MultiPolygon([box(0, 0, 16, 16)]).difference(blocks), obstacle(blocks), body=0.3)
     whole = standing(m.area, m.obstacles, 0.3)
-    monkeypatch.setattr("rota.check.standing.MANY_SIDES", 50)
     monkeypatch.setattr("rota.check.standing.TILE_SIDES", 20)
     tiled = standing(m.area, m.obstacles, 0.3)
     assert shapely.symmetric_difference(whole, tiled).area < 1e-12

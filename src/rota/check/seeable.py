@@ -18,7 +18,7 @@ from rota.check.tolerances import slack_of
 from rota.check.triangles import triangles_of
 from rota.model.mission import DiscSensor, Mission, Obstacle, Sensor
 
-RAGGED_SIDES = 5_000
+RAGGED_SIDES = 1_000
 
 
 def has_many_sides(mission: Mission) -> bool:

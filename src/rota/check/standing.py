@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -22,9 +23,9 @@ from rota.model.mission import Fleet, Mission, Obstacle, Robot, Sensor
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
-MANY_SIDES = 10_000
 CLEARANCE = 1e-3  # of its radius by which a body keeps off walls on its way from an entrance
 TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
+_ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,7 +48,7 @@ def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m:
         return shapely.difference(area, blocked)
     open_ground = shapely.difference(area, blocked)
     sides = np.vstack([segments_of(area), segments_of(blocked)])
-    if len(sides) <= MANY_SIDES or open_ground.is_empty:
+    if len(sides) <= TILE_SIDES or open_ground.is_empty:
         return _out_of(lines_of(sides), body, open_ground)
     # where a map is read all around as an obstacle, area and obstacle share their sides
     turned = (sides[:, 0] > sides[:, 2]) | ((sides[:, 0] == sides[:, 2]) & (sides[:, 1] > sides[:, 3]))
@@ -95,7 +96,8 @@ def standing_areas(mission: Mission, names: tuple[str, ...] = ()) -> tuple[Stand
     a thousandth of its radius. No robot drives through a gap just as wide as itself, nor looks along a wall that it
     touches to a micrometre.
     """
-    every = _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
+    with _ONE_AT_A_TIME:  # several parts of a check ask at once: the first works it out for all
+        every = _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
     return tuple(area for area in every if not names or area.sensor.name in names) or every
 
 

@@ -192,11 +192,13 @@ def border_corners(shape: MultiPolygon, *, bend_m: float = 1e-12) -> tuple[Float
     return np.vstack(corner), np.vstack(before), np.vstack(after)
 
 
-def nooks(shape: MultiPolygon, inset_m: float, *, least_turn_rad: float = 0.1) -> Floats:
-    """Points (n, 2) beside the border of a shape, in metres: at the middle of each side and in each inner corner.
+def nooks(shape: MultiPolygon, inset_m: float, *, per_side: int = 1, least_turn_rad: float = 0.1) -> Floats:
+    """Points (n, 2) beside the border of a shape, in metres: some along each side, and one in each inner corner.
 
-    They lie ``inset_m`` off the sides. Corners that turn by less than ``least_turn_rad`` count as straight.
+    They lie ``inset_m`` off the sides. per_side: each of so many equal parts of a side has one at its middle. Corners
+    that turn by less than ``least_turn_rad`` count as straight.
     """
+    shares = (np.arange(per_side) + 0.5)[:, None, None] / per_side
     found = [np.zeros((0, 2))]
     for ring in _oriented_rings(shape):
         side = np.diff(ring, axis=0)
@@ -206,7 +208,8 @@ def nooks(shape: MultiPolygon, inset_m: float, *, least_turn_rad: float = 0.1) -
         turn = np.arctan2(before[:, 0] * normal[:, 1] - before[:, 1] * normal[:, 0], cosine)
         inner = (turn > least_turn_rad) & (turn < math.pi - least_turn_rad)
         off_both = (before + normal)[inner] / (1 + cosine[inner])[:, None]
-        found += [ring[:-1] + side / 2 + inset_m * normal, ring[:-1][inner] + inset_m * off_both]
+        along = ring[:-1] + shares * side + inset_m * normal
+        found += [along.reshape(-1, 2), ring[:-1][inner] + inset_m * off_both]
     return np.vstack(found)
 
 

@@ -41,10 +41,12 @@ def near_slab(*xy: tuple[float, float]) -> Any:
     return points_of(np.array(xy), 1.0, 0, 0)
 
 
-def test_nooks_lie_beside_the_middle_of_each_side_and_in_each_inner_corner(hall: Problem) -> None:
+def test_nooks_lie_beside_both_halves_of_each_side_and_in_each_inner_corner(hall: Problem) -> None:
     xy_m = nooks_of(hall).xy_m
-    expected = [(5, 0), (10, 5), (5, 10), (0, 5), (0, 0), (10, 0), (10, 10), (0, 10)]  # of the hall
-    expected += [(5, 4), (6, 4.25), (5, 4.5), (4, 4.25)]  # of the slab, whose corners are outer ones
+    expected = [(0.0, 0.0), (10, 0), (10, 10), (0, 10)]  # of the hall
+    expected += [place for q in (2.5, 7.5) for place in [(q, 0.0), (10, q), (q, 10), (0, q)]]
+    expected += [(q, y) for q in (4.5, 5.5) for y in (4, 4.5)]  # of the slab, whose corners are outer ones
+    expected += [(x, q) for q in (4.125, 4.375) for x in (4.0, 6)]
     assert len(xy_m) == len(expected)
     for place in expected:
         assert np.hypot(*(xy_m - place).T).min() < 1e-7

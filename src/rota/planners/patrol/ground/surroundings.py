@@ -18,7 +18,7 @@ from rota.planners.patrol.tolerances import OUT_OF_REACH
 
 Floats = NDArray[np.float64]
 
-MANY_WALLS = 6_000  # with fewer, all of the ground is looked at, drawn finer and measured round
+MANY_WALLS = 500  # with fewer, all of the ground is looked at, drawn finer and measured round
 MOST_KEPT = 3  # grounds
 
 

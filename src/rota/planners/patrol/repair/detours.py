@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.samples import SamplePoints, lay_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.repair.last_places import near_to, ways_to_hidden
 from rota.planners.patrol.tolerances import CUT_M, ON_LINE_M
@@ -49,6 +49,14 @@ def visit_places(
         if not (sees_as_much and any(len(near_to(tour.vertices_m, middle_m)) for tour in tours)):
             tours = led_past(problem, tours, way_m, int(period))
     return tours
+
+
+def places_hidden(problem: Problem, points: SamplePoints) -> Floats:
+    """Those (k, 2) of the points that no candidate place sees."""
+    points, samples, _ = lay_out(points, problem.walls, problem.robot)
+    near_m = near_places(problem, points.xy_m)
+    _, seen = what_places_see(near_m, problem.robot, problem.range_margin_m, samples)
+    return points.xy_m[np.setdiff1d(np.arange(len(points)), seen)]
 
 
 def near_places(problem: Problem, xy_m: Floats) -> Floats:

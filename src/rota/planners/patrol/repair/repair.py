@@ -24,6 +24,7 @@ from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays, past_where_they_wait
+from rota.planners.patrol.repair.detours import places_hidden
 from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, lead_to_the_rest, see_the_rest
@@ -144,7 +145,7 @@ def repair_until_feasible(
         repaired = judge_tours(context, tours, extra, turn, bends=bends, eased_by=eased_by)
         new = repaired.extra[np.arange(len(extra), len(repaired.extra))]
         if may_add and context.problem.is_ragged and len(new):
-            context = replace(context, problem=with_room_to_see(context.problem, new.xy_m))
+            context = replace(context, problem=with_room_to_see(context.problem, places_hidden(context.problem, new)))
         unmet.append(len(repaired.verdict.unmet_points_m))
         stuck = stuck + 1 if unmet[-1:] == unmet[-2:-1] else 0
         if repaired.sees_all or turn == rounds or stuck == MOST_STUCK or context.should_stop():
