@@ -86,7 +86,7 @@ def first_plans(options: Options) -> Iterator[Row]:
 
 
 def searched(path: Path) -> tuple[float | None, int]:
-    """After how many seconds of processor time the first plan passes, and its robots: 0 where it is proved that none can.
+    """After how many seconds of processor time the first plan passes, and its robots: 0 where none can, proved.
 
     None: there is neither.
     """
