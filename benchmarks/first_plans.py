@@ -86,9 +86,9 @@ def first_plans(options: Options) -> Iterator[Row]:
 
 
 def searched(path: Path) -> tuple[float | None, int]:
-    """After how many seconds of processor time the first plan passes, and its robots: 0 where none can, proved.
+    """After how many seconds of processor time the first plan passes, and its robots; None: none does.
 
-    None: there is neither.
+    0 robots: it is proved that no plan can.
     """
     mission = read_mission(path).mission.with_effort("quick")
     began_s, passed = time.process_time(), list[tuple[float, int]]()

@@ -49,7 +49,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_the_check_of_ragged_ground_that_is_ready_has_nothing_of_the_mission_left_to_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(seeable, "RAGGED_SIDES", 0)
+    monkeypatch.setattr(seeable, "RAGGED_CORNERS", 0)
     unprepared = check_plan(hall())
     assert unprepared.verdict == "violated"
     forget()

@@ -13,17 +13,27 @@ from rota.check import triangle_kernels
 from rota.check.arrays import Flags, Floats, Triangles
 from rota.check.blocking import blocks_sight
 from rota.check.pieces import Pieces, point_pieces
+from rota.check.routes import segments_of
 from rota.check.standing import StandingArea, standing_areas
 from rota.check.tolerances import slack_of
 from rota.check.triangles import triangles_of
 from rota.model.mission import DiscSensor, Mission, Obstacle, Sensor
 
-RAGGED_SIDES = 1_000
+RAGGED_CORNERS, SHARP_RAD = 500, 0.5
 
 
-def has_many_sides(mission: Mission) -> bool:
-    """Whether walls have so many sides, as on a scanned floor, that they cut most pieces of the ground."""
-    return int(shapely.get_num_coordinates(blocks_sight(mission.obstacles))) > RAGGED_SIDES
+def is_ragged(mission: Mission) -> bool:
+    """Whether walls have so many sharp corners, as on a scanned floor, that they cut most pieces of the ground."""
+    return _sharp_corners(mission.obstacles) > RAGGED_CORNERS
+
+
+@functools.lru_cache(maxsize=4)
+def _sharp_corners(obstacles: tuple[Obstacle, ...]) -> int:
+    """The corners of what blocks sight that turn by more than ``SHARP_RAD``; those where rings begin are left out."""
+    sides = segments_of(blocks_sight(obstacles))
+    turns = np.diff(np.unwrap(np.arctan2(*(sides[:, 2:] - sides[:, :2]).T[::-1])))
+    follows = (sides[:-1, 2:] == sides[1:, :2]).all(axis=1)
+    return int(np.count_nonzero(follows & (np.abs(turns) > SHARP_RAD)))
 
 
 def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats) -> Flags:

@@ -18,7 +18,7 @@ from rota.check.findings import Findings
 from rota.check.pieces import Pieces, convex_pieces, join
 from rota.check.refine import refine
 from rota.check.revisits import Sights
-from rota.check.seeable import has_many_sides, seeable_ground
+from rota.check.seeable import is_ragged, seeable_ground
 from rota.check.standing import standing_areas
 from rota.check.tolerances import PERIOD_TOLERANCE, SLIVER_SHARE, slack_of
 from rota.model.mission import DiscSensor, Mission
@@ -40,7 +40,7 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
     A planner's first plan takes longer than this, and its check is then sooner done. On other ground it takes no time
     to speak of, and nothing is done.
     """
-    if not has_many_sides(mission):
+    if not is_ragged(mission):
         return
     sensors = [area.sensor for area in standing_areas(mission)]
     reach_m = min(sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2 for sensor in sensors)
@@ -104,7 +104,7 @@ def tile_and_refine(
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
     # told of finer ones only when all coarse ones are met repairs its plan once for each size
-    few = FEW_PIECES if has_many_sides(mission) else 0
+    few = FEW_PIECES if is_ragged(mission) else 0
     coarse_m = max(finest_m, size / (MANY_CUTS if len(pieces) > MANY_PIECES else CUTS))
     findings = refine(
         sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few, on_the_way=on_the_way
