@@ -55,6 +55,7 @@ MODULES = {module_name(file): file for file in FILES}
 
 
 @cache
+@cache
 def functions_of(file: Path) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
     """All functions of a source, methods and those within others too."""
     nodes = ast.walk(ast.parse(file.read_text()))

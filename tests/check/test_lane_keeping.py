@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from shapely import LineString, MultiPolygon, Point, box
+from shapely import LineString, MultiPolygon, box
 
 from rota.check import check_plan
 from rota.check.report import Report
@@ -108,5 +108,5 @@ def keeps_by_samples(trajectory: Trajectory, lanes: tuple[Lane, ...]) -> bool:
     union = shapely.union_all([LineString(lane.line_m) for lane in lanes])
     on = shapely.distance(union, shapely.points(places)) < 1e-6
     east = np.diff(places[:, 0])
-    on_first = np.array([Point(x, y).distance(LineString(lanes[0].line_m)) < 1e-6 for x, y in places])
+    on_first = shapely.distance(LineString(lanes[0].line_m), shapely.points(places)) < 1e-6
     return bool(on.all() and not (east[on_first[:-1] & on_first[1:]] < -1e-9).any())

@@ -75,9 +75,10 @@ def moments(leg: Floats, point: Floats, walls: Floats) -> Floats:
 def brute_force(leg: Floats, reach: float, square: bool, serves: int, s: Scene) -> set[int]:
     """Samples seen from some place of the leg: dense ones, and between every two moments of change."""
     found = set()
+    away_m = shapely.distance(LineString(leg), shapely.points(s.points.xy_m))
     for i in range(len(s.points)):
         point, visit = s.points.xy_m[i], s.points.visit_m[i]
-        if s.points.period[i] < serves:
+        if s.points.period[i] < serves or away_m[i] > 1.5 * max(reach, visit):
             continue
         walls = s.walls if visit == 0 else NO_WALLS
         changes = moments(leg, point, walls)
@@ -185,7 +186,11 @@ def test_legs_and_points_that_touch_the_walls_of_solid_blocks(square: bool) -> N
             if LineString(leg).relate_pattern(shape, "T********"):
                 continue
             got = seen(leg, 5.0, int(square), 0, s.samples)
+            away_m = shapely.distance(LineString(leg), shapely.points(s.points.xy_m))
+            assert not any(away_m[i] > 7.5 for i in got)
             for i, point in enumerate(s.points.xy_m):
+                if away_m[i] > 7.5:  # farther than the corner of a square
+                    continue
                 changes = moments(leg, point, s.walls)
                 t = np.unique(np.concatenate([np.linspace(0, 1, 81), changes, (changes[1:] + changes[:-1]) / 2]))
                 most = past_blocks(leg, point, 5.0 + 1e-9, square, shrunk, t)
