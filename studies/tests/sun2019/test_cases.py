@@ -28,16 +28,21 @@ from rota_studies.verdict import Outcome
 pytestmark = pytest.mark.usefixtures("without_search")
 
 
-KEPT: dict[str, Case] = {}
+KEPT: dict[str, tuple[Case, list[Asked]]] = {}
 
 
 @pytest.fixture
-def case(make_runs: Callable[..., Runs]) -> Case:
-    """The case of Section 5.1, run once for all tests of this file; it is not to be changed."""
+def case_and_asked(make_runs: Callable[..., Runs], without_search: list[Asked]) -> tuple[Case, list[Asked]]:
+    """The case of Section 5.1, run once for all tests of this file, and what was asked; neither is to be changed."""
     if not KEPT:
         runs = make_runs()
-        KEPT["5.1"] = case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
+        KEPT["5.1"] = case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13), list(without_search)
     return KEPT["5.1"]
+
+
+@pytest.fixture
+def case(case_and_asked: tuple[Case, list[Asked]]) -> Case:
+    return case_and_asked[0]
 
 
 def changed(case: Case, **outcomes: Found) -> Case:
@@ -143,11 +148,9 @@ def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs: Callable[...,
     assert [*odd.outcomes] == ["mended", "sequential", "parallel", "decomposition", "sun2019", "tours"]
 
 
-def test_methods_are_asked_for_each_case(make_runs: Callable[..., Runs], without_search: list[Asked]) -> None:
-    runs = make_runs()
-    case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
+def test_methods_are_asked_for_each_case(case_and_asked: tuple[Case, list[Asked]]) -> None:
     methods = ("sequential", "parallel", "decomposition", "sun2019", "tours")
-    assert without_search == [Asked("sun2019-fig13", method, None) for method in methods]
+    assert case_and_asked[1] == [Asked("sun2019-fig13", method, None) for method in methods]
 
 
 def test_two_seeds_are_too_few_for_verdicts_that_chance_can_make(case: Case) -> None:
