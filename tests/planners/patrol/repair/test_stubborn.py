@@ -41,17 +41,21 @@ def near_slab(*xy: tuple[float, float]) -> Any:
     return points_of(np.array(xy), 1.0, 0, 0)
 
 
-def test_nooks_lie_beside_both_halves_of_each_side_and_in_each_inner_corner(hall: Problem) -> None:
+def test_nooks_lie_beside_the_middle_of_each_side_and_in_each_inner_corner(
+    hall: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
     xy_m = nooks_of(hall).xy_m
-    expected = [(0.0, 0.0), (10, 0), (10, 10), (0, 10)]  # of the hall
-    expected += [place for q in (2.5, 7.5) for place in [(q, 0.0), (10, q), (q, 10), (0, q)]]
-    expected += [(q, y) for q in (4.5, 5.5) for y in (4, 4.5)]  # of the slab, whose corners are outer ones
-    expected += [(x, q) for q in (4.125, 4.375) for x in (4.0, 6)]
+    expected = [(5, 0), (10, 5), (5, 10), (0, 5), (0, 0), (10, 0), (10, 10), (0, 10)]  # of the hall
+    expected += [(5, 4), (6, 4.25), (5, 4.5), (4, 4.25)]  # of the slab, whose corners are outer ones
     assert len(xy_m) == len(expected)
     for place in expected:
         assert np.hypot(*(xy_m - place).T).min() < 1e-7
     clear = hall.regions[0].shape
     assert shapely.contains_xy(clear, xy_m).all()
+    monkeypatch.setattr(ground_problem, "MOST_DENSE", 0)
+    ragged_m = nooks_of(dataclasses.replace(hall)).xy_m
+    assert len(ragged_m) == 4 + 2 * 8  # both halves of each side have one
+    assert np.hypot(*(ragged_m - (2.5, 0)).T).min() < 1e-7
 
 
 def test_on_ragged_ground_one_of_each_crowd_that_was_asked_for_is_asked_again(
