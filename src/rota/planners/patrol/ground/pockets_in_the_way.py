@@ -130,7 +130,7 @@ def in_words(pocket: Polygon, for_m: Floats, lost_m: Floats) -> str:
     """Why no plan sees both places, and what to do about it."""
     stand = pocket.representative_point()
     return (
-        f"no plan sees all that is asked: ({for_m[0]:.3f}, {for_m[1]:.3f}) is seen only from the pocket round"
+        f"nobody sees all that is asked: ({for_m[0]:.3f}, {for_m[1]:.3f}) is seen only from the pocket round"
         f" ({stand.x:.3f}, {stand.y:.3f}), which no robot leaves, and ({lost_m[0]:.3f}, {lost_m[1]:.3f}) only from"
         " where a body touches whoever is in there; fleet.entrances keeps robots out of pockets and leaves out what is"
         " seen only from there; close_gaps_m of a map closes them"
