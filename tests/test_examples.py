@@ -14,7 +14,9 @@ from PIL import Image
 from pyproj import Geod
 from scipy.ndimage import label
 from shapely import LineString, Point, box, union_all
+from tests.planners.patrol.tours.test_curves import assert_driven_on_arcs
 
+from rota import make_plan
 from rota.command.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
@@ -344,6 +346,13 @@ def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: py
 
 
 # bounds: A / (2 r V T + pi r^2) is 35,955 / (15,360 + 201) = 2.3 and 966 / (720 + 13) = 1.3
+@pytest.mark.slow  # a search of 15 s; a small field is planned by the same code
+def test_the_coast_is_watched_by_as_few_wings_as_can_be() -> None:
+    plan = make_plan(example("coast"), seed=0)
+    assert_driven_on_arcs(plan)
+    assert len(plan.trajectories) == plan.lower_bound_robots == 2
+
+
 @pytest.mark.slow  # the largest searches of all tests, where the inputs are there
 @needs_real_inputs
 @pytest.mark.parametrize(("text", "least_robots"), [(PARCEL_NL, 3), (CUMBERLAND, 2)], ids=["parcel-nl", "cumberland"])

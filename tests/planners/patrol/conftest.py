@@ -1,4 +1,4 @@
-"""Short searches for all tests of patrol."""
+"""Short searches for all tests of patrol; whether robots are as few as whole searches find is asked by others."""
 
 from __future__ import annotations
 

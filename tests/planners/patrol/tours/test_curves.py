@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise, product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from shapely import MultiPolygon, box
 import rota
 from rota.check import check_plan
 from rota.errors import MissionError
-from rota.files.mission_file import read_mission
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Robot, StartPoints
 from rota.model.plan import Plan
@@ -165,13 +163,6 @@ def test_an_approach_begins_straight_since_any_heading_will_do(start_m: tuple[fl
     arc_room = 2 * math.pi * radius_m * (math.pi / 16) ** 2 / 12
     assert min(lengths) - 1e-6 <= shapely.LineString(curve).length <= min(lengths) + arc_room
     assert np.hypot(*np.diff(curve, axis=0).T).min() > 0.04 * radius_m
-
-
-@pytest.mark.slow  # a search of 15 s; the small field is planned by the same code
-def test_the_coast_is_watched_by_as_few_wings_as_can_be() -> None:
-    plan = rota.make_plan(read_mission(Path(__file__).parents[4] / "examples" / "coast.yaml").mission, seed=0)
-    assert_driven_on_arcs(plan)
-    assert len(plan.trajectories) == plan.lower_bound_robots == 2
 
 
 def test_a_small_field_is_watched_on_arcs() -> None:
