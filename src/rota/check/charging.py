@@ -134,7 +134,6 @@ class _Follower:
     def begin(self, way: Trajectory | Driven) -> None:
         """Take the level that the way begins with."""
         self.times_s, self.levels_s = [way.times_s[:1]], [np.full(1, self._full_s * way.battery)]
-
         if len(way.times_s) == 1:
             self._take_off(0.0)
 

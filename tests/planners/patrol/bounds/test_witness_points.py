@@ -85,3 +85,18 @@ def test_zones_to_visit_are_as_far_apart_as_one_walks() -> None:
     apart = witnesses(mission, set_up_problem(mission)).apart_m
     nearest = 2 * np.hypot(10, 16) + 2  # from the near upper corners round the top of the wall
     assert 0.6 * nearest < apart[0, 1] <= nearest
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_convex_views_are_as_wide_as_they_are_by_ways_inside(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = cluttered(seed)
+    monkeypatch.setattr("rota.planners.patrol.ground.problem.refuse_unseeable", lambda *_: None)
+    problem = set_up_problem(mission)
+    convex: list[bool] = []
+    is_convex = witness_points._is_convex
+    monkeypatch.setattr(witness_points, "_is_convex", lambda view: (convex.append(is_convex(view)), convex[-1])[1])
+    shortly = witnesses(mission, problem).spread_m
+    assert any(convex)
+    assert not all(convex)
+    monkeypatch.setattr(witness_points, "_is_convex", lambda view: False)
+    assert shortly == pytest.approx(witnesses(mission, problem).spread_m, abs=1e-9)
