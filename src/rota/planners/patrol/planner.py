@@ -64,9 +64,10 @@ def plan_patrol(
     if mission.lanes or not differs(mission):
         return search(mission, progress=progress)
 
-    def search_part(part: Mission) -> Plan:
+    def search_part(part: Mission, *, in_full: bool) -> Plan:
         """A plan for some of the ground; how far it has come says nothing of the whole."""
-        return search(part, progress=lambda share, doing: None)
+        asked = part if in_full else part.with_effort("quick")
+        return search(asked, progress=lambda share, doing: None, shortens=in_full)
 
     return plan_with_kinds(
         mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, search=search_part
@@ -82,18 +83,22 @@ def plan_alike(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
     executor: Executor | None = None,
+    shortens: bool = True,
 ) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
     All robots are taken to be alike, the weakest of them in everything. Robots with starts reach their loops from
-    there. The lower bound is that of the mission as it is asked. Raises
-    NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
-    the starts, and when the reserve of range hides ground that only the full reach sees.
+    there. The lower bound is that of the mission as it is asked. shortens: whether shorter loops are looked for once
+    robots are as few as are found. Raises NoPlanFound, with the best plan found for this mission, when there is none;
+    also when bodies touch on the way from the starts, and when the reserve of range hides ground that only the full
+    reach sees.
     """
     if mission.chargers:
         return plan_that_charges(
             mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            search=partial(plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor),
+            search=partial(
+                plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor, shortens=shortens,
+            ),
         )  # fmt: skip
     if mission.lanes:
         return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
@@ -106,7 +111,7 @@ def plan_alike(
     try:
         plans = plan_tours(
             searched, asked=mission, seed=seed, judge=leads, progress=progress,
-            should_stop=should_stop, watch=watch, executor=executor,
+            should_stop=should_stop, watch=watch, executor=executor, shortens=shortens,
         )  # fmt: skip
     except NoPlanFound as failure:
         raise NoPlanFound(str(failure), best=lead_from_starts_asked(failure.best, mission)) from failure
@@ -167,16 +172,16 @@ def plan_tours(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
     executor: Executor | None = None,
+    shortens: bool = True,
 ) -> list[Plan]:
     """Plans of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
-    The last is what the method finds; before it comes the same with the loops that the mission prefers, if any are
-    better.
+    The last is what the method finds; before it comes the same with better loops, if there are any.
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
     on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
-    from several threads. executor: does what can be done side by side. Raises NoPlanFound, with the best plan found,
-    when the demand is not met.
+    from several threads. executor: does what can be done side by side. shortens: see ``plan_alike``. Raises
+    NoPlanFound, with the best plan found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
     least = mission_to_begin_with(mission)
@@ -194,7 +199,7 @@ def plan_tours(
 
     context = search(problem)
     goes_on = context.anneals and not context.keeps_first_tours and mission.fleet.robots is None
-    if goes_on:
+    if shortens := shortens and goes_on:
         context = replace(context, progress=share_of_progress(progress, 0, 0.5))  # shorter loops take about as long
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
@@ -215,7 +220,7 @@ def plan_tours(
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
     context = replace(context, progress=share_of_progress(progress, 0.5, 0.97))
-    best, better = with_loops_improved(context, best) if goes_on else (best, best)
+    best, better = with_loops_improved(context, best) if shortens else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
 
 

@@ -17,11 +17,14 @@ from rota.geometry.free_space import demanded_regions
 from rota.model.battery_limits import BatteryLimits
 from rota.model.fleet import Kind, Robot
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan
 from rota.planners.patrol import PatrolSettings
+from rota.planners.patrol.kinds.cheapest import plan_cheapest
 from rota.planners.patrol.kinds.cost_bound import cost_bound
 from rota.planners.patrol.kinds.division import by_cuts, by_zones, load_of
 from rota.planners.patrol.kinds.groups import differs, groups_of
 from rota.planners.patrol.kinds.parts import Parts
+from rota.planners.patrol.kinds.team import Team
 
 # as wide as the sensor sees: a robot goes to and fro, some 37 s at 10 m/s and 74 s at 5 m/s
 CORRIDOR = Mission(
@@ -57,6 +60,48 @@ def test_the_cheapest_of_two_kinds_is_taken(
     assert plan_text(plan_from_text(plan_text(plan), "a plan")) == plan_text(plan)
     claims = replace(plan, lower_bound_cost=cost * 1.01)
     assert [wrong.kind for wrong in check_plan(claims).violations] == ["claims that a cheaper fleet cannot do"]
+
+
+@pytest.mark.parametrize("fails_in_full", [False, True])
+def test_fleets_are_tried_with_the_least_effort_before_the_cheapest_is_planned_in_full(fails_in_full: bool) -> None:
+    kinds = (Kind(name="slow", cost=1, speed_m_s=5), Kind(name="fast", cost=3))
+    mission = with_kinds(CORRIDOR, *kinds).with_effort("normal")
+    in_full_one_by_one, plans = [], []
+
+    def search(part: Mission, *, in_full: bool) -> Plan:
+        in_full_one_by_one.append(in_full)
+        if in_full and fails_in_full:
+            raise NoPlanFound("nothing else is found")
+        plans.append(make_plan(part.with_effort("quick")))
+        return plans[-1]
+
+    team = Team(
+        mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False, search=search
+    )
+    plan = plan_cheapest(team)
+    assert [way.robot for way in plan] == ["slow-1", "slow-2"]
+    assert in_full_one_by_one[0] is False
+    assert in_full_one_by_one == sorted(in_full_one_by_one)
+    assert True in in_full_one_by_one
+    assert check_plan(plan).verdict == "met"
+
+
+def test_a_kind_that_is_too_few_to_do_it_alone_is_not_tried_alone() -> None:
+    long = replace(CORRIDOR, area=MultiPolygon([box(0, 0, 800, 10)]))
+    mission = with_kinds(long, Kind(name="slow", cost=1, most=1, speed_m_s=5), Kind(name="fast", cost=2))
+    tried = []
+
+    def search(part: Mission, *, in_full: bool) -> Plan:
+        tried.append((part.fleet.speed_m_s, part.zones[0].shape.area))
+        return make_plan(part)
+
+    team = Team(
+        mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False, search=search
+    )
+    plan_cheapest(team)
+    whole_m2 = mission.area.area
+    assert (10, whole_m2) in [(speed, pytest.approx(area_m2)) for speed, area_m2 in tried]
+    assert not any(speed == 5 and area_m2 > 0.9 * whole_m2 for speed, area_m2 in tried)
 
 
 def test_more_robots_than_there_are_of_a_kind_are_found() -> None:
@@ -112,7 +157,7 @@ def test_listed_robots_with_nothing_to_do_stay() -> None:
     robots = [Robot(name="slow", speed_m_s=1), Robot(name="mid", speed_m_s=3), Robot(name="fast", start=(100, 5))]
     fleet = replace(CORRIDOR.fleet, robots=robots)
     mission = replace(CORRIDOR, zones=zones, period_s=None, fleet=fleet)
-    parts = Parts(mission, groups_of(fleet), check_plan, make_plan)
+    parts = Parts(mission, groups_of(fleet), check_plan, lambda part, in_full: make_plan(part))
     idle = parts.idle(2)
     assert idle.is_met
     assert [(way.robot, way.positions_m.tolist()) for way in idle.plan or ()] == [("fast", [[100, 5]])]

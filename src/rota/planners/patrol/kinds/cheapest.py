@@ -14,12 +14,13 @@ from rota.model.plan import Plan
 from rota.planners.patrol.kinds.cost_bound import CostBound, cost_bound
 from rota.planners.patrol.kinds.division import load_of
 from rota.planners.patrol.kinds.parts import Outcome
-from rota.planners.patrol.kinds.team import Team
+from rota.planners.patrol.kinds.team import Division, Team
 
 HOPEFUL = 1.1  # times what a fleet seems to be able to do that it is tried with
 MOST_FLEETS = 200_000  # that are compared
 LEAST = 0.5  # of its swath, that a robot is worth at least
 WAYS = 2  # divisions of the ground that are planned for one fleet
+IN_FULL = 0.3  # of the divisions tried, that may be planned by all that the effort allows
 
 Fleet = tuple[int, ...]  # robots of each kind
 
@@ -28,17 +29,17 @@ def plan_cheapest(team: Team) -> Plan:
     """The plan with the cheapest fleet of a mission's kinds that is found, with a bound on the cost.
 
     Each kind alone comes first, then mixed fleets in the order of their costs, as far as what a robot of each kind saw
-    in the plans before lets hope that they do. Raises NoPlanFound where no fleet is found.
+    in the plans before lets hope that they do. Where the mission's effort is not the least, all are tried with that
+    first; the cheapest is planned again by all that the effort allows, and so are fleets that are cheaper yet. Raises
+    NoPlanFound where no fleet is found.
     """
     search = _Cheapest(team, cost_bound(team.mission, team.groups, team.regions))
-    for number, (fleet, way) in enumerate(search.fleets()):
-        if number and team.should_stop():
-            break
-        words = ", ".join(f"{n} {group.name}" for n, group in zip(fleet, team.groups, strict=True) if n)
-        team.tell(0.9 * number / (team.tries + len(team.groups)), f"trying {words}")
-        search.attempt(fleet, way)
-        if search.cost <= search.bound.cost:
-            break
+    if team.effort == "quick":
+        search.try_fleets(team.tries, 0.0, alone=True, in_full=True)
+    else:
+        search.try_fleets(team.tries, 0.0, alone=True, in_full=False)
+        search.plan_best_in_full()
+        search.try_fleets(math.ceil(IN_FULL * team.tries), 0.5, alone=False, in_full=True)
     bound = search.bound
     if search.best is None:
         raise NoPlanFound(f"no fleet of these kinds was found that meets the demand: {search.why}", best=search.failed)
@@ -53,30 +54,52 @@ class _Cheapest:
     def __init__(self, team: Team, bound: CostBound) -> None:
         self.team, self.bound = team, bound
         self.best: Plan | None = None
+        self._best_division: Division | None = None
         self.failed: Plan | None = None
         self.cost, self.why = math.inf, "nothing was tried"
         self._costs = np.array([group.cost for group in team.groups])
         self._most = [1] * len(team.groups)  # robots of each that may be of use, as far as is known
         self._tried: set[tuple[Fleet, int]] = set()
 
-    def fleets(self) -> Iterator[tuple[Fleet, int]]:
-        """Fleets to try, each with the number of a division."""
+    def try_fleets(self, most: int, begun: float, *, alone: bool, in_full: bool) -> None:
+        """Try so many fleets at most, until one costs no more than is proved. begun: how far the search has come.
+
+        alone: each kind by itself first. in_full: see ``Search``.
+        """
+        self._tried.clear()
+        for number, (fleet, way) in enumerate(self._fleets(most, alone=alone)):
+            # a stop waits for the very first attempt
+            if self.cost <= self.bound.cost or (self.team.should_stop() and (number or not alone)):
+                return
+            words = ", ".join(f"{n} {group.name}" for n, group in zip(fleet, self.team.groups, strict=True) if n)
+            self.team.tell(begun + 0.4 * number / (most + len(self.team.groups)), f"trying {words}")
+            self._tried.add((fleet, way))
+            self._attempt(self.team.divide(np.array(fleet, dtype=np.float64), way), in_full=in_full)
+
+    def plan_best_in_full(self) -> None:
+        """Plan the cheapest fleet's division by all that the effort allows; what is no dearer is taken."""
+        if self._best_division is not None and not self.team.should_stop():
+            self.team.tell(0.4, "looking for better loops of the cheapest fleet")
+            self._attempt(self._best_division, in_full=True)
+
+    def _fleets(self, most: int, *, alone: bool) -> Iterator[tuple[Fleet, int]]:
+        """Fleets to try, each with the number of a division. alone: each kind by itself first, where that may do."""
         team = self.team
         whole = sum(map(load_of, team.regions))
-        for k, group in enumerate(team.groups):
-            if all(group.serves(region) for region in team.regions):
-                alone = math.ceil(whole / team.worth[k]) or 1
-                yield tuple(alone if i == k else 0 for i in range(len(team.groups))), 0
-        for _ in range(team.tries):
+        for k, group in enumerate(team.groups if alone else ()):
+            needed = math.ceil(whole / team.worth[k]) or 1
+            may_do = group.most is None or whole <= HOPEFUL * team.worth[k] * group.most
+            if may_do and all(group.serves(region) for region in team.regions):
+                yield tuple(needed if i == k else 0 for i in range(len(team.groups))), 0
+        for _ in range(most):
             hopeful = next(self._hopeful(whole), None)
             if hopeful is None:
                 return
             yield hopeful
 
-    def attempt(self, fleet: Fleet, way: int) -> None:
-        """Plan for a fleet's division of the ground; parts may take other numbers of robots than the fleet has."""
-        self._tried.add((fleet, way))
-        outcomes = self.team.plan_parts(np.array(fleet, dtype=np.float64), way)
+    def _attempt(self, division: Division, *, in_full: bool) -> None:
+        """Plan for a division of the ground; parts may take other numbers of robots than it was made for."""
+        outcomes = self.team.plan_parts(division, in_full=in_full)
         self._learn(outcomes)
         if late := [outcome.why for outcome in outcomes if not outcome.is_met]:
             self.why = late[0]
@@ -86,12 +109,12 @@ class _Cheapest:
         crowd = [group for n, group in zip(used, groups, strict=True) if group.most is not None and n > group.most]
         if crowd:
             self.why = f"{crowd[0].most} {crowd[0].name} do not suffice"
-        elif cost < self.cost:
+        elif cost < self.cost or (in_full and cost == self.cost):
             plan, wrong = self.team.join(outcomes)
             if wrong:
                 self.failed, self.why = plan, wrong
             else:
-                self.best, self.cost = plan, cost
+                self.best, self.cost, self._best_division = plan, cost, division
 
     def _learn(self, outcomes: Sequence[Outcome]) -> None:
         """What a robot of each kind was worth in its part: one saw that much, of several half a robot was idle.

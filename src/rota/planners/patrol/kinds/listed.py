@@ -28,7 +28,7 @@ def plan_listed(team: Team, search: Search) -> Plan:
             raise NoPlanFound(f"zone {region.name}: no robot has a sensor that counts: {', '.join(region.sensors)}")
     if _may_do_as_weakest(team):
         try:
-            return search(team.mission)
+            return search(team.mission, in_full=True)
         except NoPlanFound:
             pass
     counts = np.array([len(group.robots) for group in team.groups], dtype=np.float64)
@@ -37,7 +37,7 @@ def plan_listed(team: Team, search: Search) -> Plan:
         if number and team.should_stop():
             break
         team.tell(0.9 * number / team.tries, "dividing the ground among the robots")
-        outcomes = team.plan_parts(counts, number)
+        outcomes = team.plan_parts(team.divide(counts, number), in_full=True)
         ratios = np.array([outcome.ratio for outcome in outcomes])
         if all(outcome.robots for outcome in outcomes) and ratios.max() <= least:
             best, wrong = team.join(outcomes)

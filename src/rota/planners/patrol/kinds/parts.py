@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 import shapely
@@ -19,7 +20,16 @@ from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.verdict import Judge
 
 Floats = NDArray[np.float64]
-Search = Callable[[Mission], Plan]
+
+
+class Search(Protocol):
+    """How a mission is planned whose robots are taken to be alike."""
+
+    def __call__(self, part: Mission, *, in_full: bool) -> Plan:
+        """A plan for some of the ground; NoPlanFound where there is none.
+
+        in_full: by all that the mission's effort allows; otherwise with the least effort, and as long as loops come.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +55,7 @@ class Outcome:
 
 
 class Parts:
-    """Parts of a mission and what came of them; each is planned once."""
+    """Parts of a mission and what came of them; each is planned once in either way."""
 
     def __init__(self, mission: Mission, groups: Sequence[Group], judge: Judge, search: Search) -> None:
         self._mission, self._groups, self._judge, self._search = mission, groups, judge, search
@@ -56,12 +66,13 @@ class Parts:
         """Whether groups keep to ground of their own, since bodies of unlike robots would meet otherwise."""
         return any(group.robot.body_radius_m > 0 for group in self._groups)
 
-    def outcome(self, k: int, part: Part, chargers: tuple[Charger, ...]) -> Outcome:
-        """What comes of planning the part of group number k."""
+    def outcome(self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool) -> Outcome:
+        """What comes of planning the part of group number k, see ``Search``."""
         shapes = [*(region.shape for region in part.regions), part.cell if self.is_confined else None]
-        key = (k, tuple(region.name for region in part.regions), tuple(map(shapely.to_wkb, shapes)), chargers)
+        names = tuple(region.name for region in part.regions)
+        key = (k, names, tuple(map(shapely.to_wkb, shapes)), chargers, in_full)
         if key not in self._known:
-            self._known[key] = self._plan_anew(k, part, chargers)
+            self._known[key] = self._plan_anew(k, part, chargers, in_full=in_full)
         return self._known[key]
 
     def idle(self, k: int) -> Outcome:
@@ -80,14 +91,14 @@ class Parts:
         ]
         return Outcome(plan=Plan(mission=self._mission, trajectories=tuple(ways)), ratio=1.0)
 
-    def _plan_anew(self, k: int, part: Part, chargers: tuple[Charger, ...]) -> Outcome:
+    def _plan_anew(self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool) -> Outcome:
         """The same, anew."""
         try:
             mission = self._part_of_mission(self._groups[k], part, chargers)
         except MissionError as error:  # a start or a charger outside its cell
             return Outcome(plan=None, ratio=math.inf, why=str(error))
         try:
-            return Outcome(plan=self._search(mission), ratio=1.0)
+            return Outcome(plan=self._search(mission, in_full=in_full), ratio=1.0)
         except NoPlanFound as failure:
             best = failure.best if isinstance(failure.best, Plan) else None
             demands = () if best is None else self._judge(best).demands

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import demanded_regions
-from rota.model.mission import Mission
+from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.kinds.division import Part, divisions
 from rota.planners.patrol.kinds.groups import groups_of
@@ -21,6 +22,14 @@ Floats = NDArray[np.float64]
 
 TRIES: dict[Effort, int] = {"quick": 6, "normal": 16, "high": 60}  # divisions of the ground that are planned
 USUAL = 0.8  # of the ground on perfect lanes that robots see in a plan, before any part was planned
+
+
+@dataclass(frozen=True, kw_only=True)
+class Division:
+    """The ground divided among the groups. chargers: places at them that each group has."""
+
+    parts: Sequence[Part]
+    chargers: Sequence[tuple[Charger, ...]]
 
 
 class Team:
@@ -43,24 +52,25 @@ class Team:
         self.groups, self.regions = groups_of(mission.fleet), demanded_regions(mission)
         self.worth = np.array([USUAL * group.swath_m2_s for group in self.groups])
         self.asked = np.zeros(len(self.groups))
-        self.tries = TRIES[PatrolSettings.of(mission).effort]
+        self.effort = PatrolSettings.of(mission).effort
+        self.tries = TRIES[self.effort]
         self._parts = Parts(mission, self.groups, judge, search)
         self._seed, self._judge, self._progress = seed, judge, progress
 
-    def plan_parts(self, counts: Floats, number: int) -> list[Outcome]:
-        """What comes of each group's part in the division of this number for so many robots of each.
-
-        The last division where there are fewer. Listed robots with nothing to do stay where they are.
-        """
+    def divide(self, counts: Floats, number: int) -> Division:
+        """The division of this number for so many robots of each group; the last one where there are fewer."""
         ways = divisions(
             self.regions, self.groups, counts, self.worth, self.mission.area, confined=self._parts.is_confined
         )
-        division: Sequence[Part] = list(itertools.islice(ways, number + 1))[-1]
-        self.asked = np.array([part.asked_m2_s for part in division])
-        chargers = self._parts.chargers_of(division, counts)
+        parts: Sequence[Part] = list(itertools.islice(ways, number + 1))[-1]
+        return Division(parts=parts, chargers=self._parts.chargers_of(parts, counts))
+
+    def plan_parts(self, division: Division, *, in_full: bool) -> list[Outcome]:
+        """What comes of each group's part, see ``Search``. Listed robots with nothing to do stay where they are."""
+        self.asked = np.array([part.asked_m2_s for part in division.parts])
         return [
-            self._parts.outcome(k, part, chargers[k]) if part.regions else self._parts.idle(k)
-            for k, part in enumerate(division)
+            self._parts.outcome(k, part, division.chargers[k], in_full=in_full) if part.regions else self._parts.idle(k)
+            for k, part in enumerate(division.parts)
         ]
 
     def join(self, outcomes: Sequence[Outcome]) -> tuple[Plan, str]:
