@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from benchmarks.create2.robot import BOOT_TICKS, TICK_US, Create2, Faults
-from benchmarks.create2.uno import Uno, build_core, build_simulator, build_sketch
+from benchmarks.create2.uno import Uno, build_sketch, simulator
 from rota.files.create2_legs import Drive, drives_of
 from rota.files.create2_sketch import write_create2_sketches
 from rota.model.plan import Plan
@@ -49,9 +49,8 @@ class Driven:
 def set_up(plan: Plan, folder: Path) -> Desk:
     """Write and compile everything in ``folder``."""
     sketches = write_create2_sketches(plan, folder / "sketches")
-    core = build_core(folder)
-    firmware = tuple(build_sketch(sketch, core) for sketch in sketches)
-    return Desk(plan=plan, drives=drives_of(plan), firmware=firmware, simulator=build_simulator(folder))
+    firmware = tuple(map(build_sketch, sketches))
+    return Desk(plan=plan, drives=drives_of(plan), firmware=firmware, simulator=simulator())
 
 
 def drive(

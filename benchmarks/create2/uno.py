@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import shutil
 import struct
 import subprocess
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -35,9 +38,18 @@ def missing_tools() -> list[str]:
     return missing + [str(file) for file in needed if not file.exists()]
 
 
-def build_core(folder: Path) -> list[Path]:
-    """The object files of the Arduino core for an Uno, in ``folder``."""
-    objects = []
+@cache
+def built_folder() -> Path:
+    """Where this process keeps what it builds for all sketches; it goes with the process."""
+    folder = tempfile.TemporaryDirectory()
+    atexit.register(folder.cleanup)
+    return Path(folder.name)
+
+
+@cache
+def arduino_core() -> tuple[Path, ...]:
+    """The object files of the Arduino core for an Uno, built once."""
+    folder, objects = built_folder(), []
     for name in CORE_FILES:
         cpp = name.endswith(".cpp")
         out = folder / f"{name}.o"
@@ -45,16 +57,16 @@ def build_core(folder: Path) -> list[Path]:
         source = str(CORE / "cores/arduino" / name)
         _run("avr-g++" if cpp else "avr-gcc", *CHIP, *options, "-w", "-c", source, "-o", str(out))
         objects.append(out)
-    return objects
+    return tuple(objects)
 
 
-def build_sketch(sketch: Path, core: list[Path]) -> Path:
+def build_sketch(sketch: Path) -> Path:
     """The firmware of a sketch, beside it; no warning is allowed."""
     firmware = sketch.with_suffix(".elf")
     warnings = ("-Wall", "-Wextra", "-Werror")
     _run(
-        "avr-g++", *CHIP, *CPP, *warnings, "-x", "c++", str(sketch), "-x", "none", *map(str, core), "-Wl,--gc-sections",
-        "-lm", "-o", str(firmware),
+        "avr-g++", *CHIP, *CPP, *warnings, "-x", "c++", str(sketch), "-x", "none", *map(str, arduino_core()),
+        "-Wl,--gc-sections", "-lm", "-o", str(firmware),
     )  # fmt: skip
     return firmware
 
@@ -66,9 +78,10 @@ def flash_bytes(firmware: Path) -> int:
     return int(text) + int(data)
 
 
-def build_simulator(folder: Path) -> Path:
-    """The program that runs firmware, see ``uno.c``, in ``folder``."""
-    program = folder / "uno"
+@cache
+def simulator() -> Path:
+    """The program that runs firmware, see ``uno.c``, built once."""
+    program = built_folder() / "uno"
     _run("gcc", "-O2", "-Wall", "-o", str(program), str(Path(__file__).with_name("uno.c")), "-lsimavr")
     return program
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from benchmarks.create2.robot import TICK_US, Create2
-from benchmarks.create2.uno import Uno, build_core, build_simulator, build_sketch, missing_tools
+from benchmarks.create2.uno import Uno, build_sketch, missing_tools, simulator
 from shapely import LinearRing, box
 
 from rota.export_create2 import covering_time
@@ -55,10 +55,9 @@ def test_how_long_covering_takes_is_told_in_quantiles(tmp_path: Path) -> None:
 def run(plan: Plan, folder: Path, seconds: float, opens_s: float = math.inf) -> np.ndarray:  # type: ignore[type-arg]
     """(n, 3) x, y, heading of the robot at each tick; after opens_s the walls are gone."""
     (sketch,) = write_create2_programs(plan, folder / "sketches", covers="")
-    firmware, simulator = build_sketch(sketch, build_core(folder)), build_simulator(folder)
     robot = Create2(x_m=0.25, y_m=0.75, heading_rad=0.0, walls=LinearRing(box(0, 0, 2, 1.5).exterior.coords))
     rows, frame = [], b""
-    with closing(Uno(simulator, firmware)) as uno:
+    with closing(Uno(simulator(), build_sketch(sketch))) as uno:
         for tick in range(int(seconds * 1e6 / TICK_US)):
             if tick * TICK_US / 1e6 > opens_s:
                 robot.walls = LinearRing(box(-90, -90, 90, 90).exterior.coords)

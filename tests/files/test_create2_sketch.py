@@ -11,7 +11,7 @@ import pytest
 from benchmarks.create2.desk import Desk, Driven, drive, off_plan_m, set_up
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from benchmarks.create2.robot import Create2, Faults
-from benchmarks.create2.uno import build_core, build_sketch, flash_bytes, missing_tools
+from benchmarks.create2.uno import build_sketch, flash_bytes, missing_tools
 from shapely import LineString, Point, union_all
 
 from rota.errors import PlanError, RotaError
@@ -325,7 +325,7 @@ def test_a_cliff_or_a_lifted_wheel_stops_it_for_good(hall: Desk, tmp_path: Path,
 def compile_text(text: str, folder: Path) -> Path:
     sketch = folder / "changed.ino"
     sketch.write_text(text)
-    return build_sketch(sketch, build_core(folder))
+    return build_sketch(sketch)
 
 
 @needs_tools
