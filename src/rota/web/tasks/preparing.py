@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import shapely
 
 from rota.compiled.compiled_cache import is_compiled
@@ -18,7 +20,7 @@ from rota.web.tasks.context import Context
 def load_planning() -> None:
     """Plan a yard, and replan it, so that what both and checking run is loaded, and compiled where it was not yet."""
     mission = _yard()
-    with compile_by_two(planner_of(mission)):
+    with nullcontext() if is_ready(mission) else compile_by_two(planner_of(mission)):
         found = search_plan(mission)
     (line,) = found.plan
     replan(found.plan, at_s=1.0, lost=[line.robot], joined={"new": (2.0, 2.0)}, should_stop=lambda: True)
