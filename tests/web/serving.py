@@ -8,12 +8,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import httpx
 from starlette.testclient import TestClient
+from tests.web.warm_workers import address_of_one, copied_workers
 
 from rota.web.app import make_app
 from rota.web.limits import Limits
@@ -45,12 +46,16 @@ YARD: Json = {
 
 
 @contextmanager
-def serving(data: Path, limits: Limits | None = None, token: str | None = None) -> Iterator[TestClient]:
-    """A client of a server of this folder, which loads nothing ahead."""
+def serving(
+    data: Path, limits: Limits | None = None, token: str | None = None, *, usual: bool = False
+) -> Iterator[TestClient]:
+    """A client of a server of this folder, which loads nothing ahead; its workers are copies unless `usual`."""
     guard = Guard(hosts=frozenset([HOST]), token=token)
-    with TestClient(
-        make_app(data, guard, limits, prepares=False), base_url=f"http://{HOST}", raise_server_exceptions=False
-    ) as client:
+    app = make_app(data, guard, limits, prepares=False)
+    with (
+        nullcontext() if usual else copied_workers(),
+        TestClient(app, base_url=f"http://{HOST}", raise_server_exceptions=False) as client,
+    ):
         yield client
 
 
@@ -92,9 +97,12 @@ def waited(client: TestClient | httpx.Client, job: str, holds: Any, within_s: fl
 
 # loading planning ahead of the first request is for people who wait
 LEAN = """
+import sys
 from functools import partial
 from rota.__main__ import main
 from rota.web import app, serving
+from tests.web.warm_workers import begin_with_copies
+begin_with_copies(sys.argv.pop(1))
 app.POOL_SIZE = 1
 serving.make_app = partial(serving.make_app, prepares=False)
 main()
@@ -104,11 +112,12 @@ main()
 class Server:
     """`rota serve` as a process of its own, on a free port.
 
-    Unless it is to be `usual`, it loads nothing ahead, and reads, checks and draws one thing at a time.
+    Unless it is to be `usual`, it loads nothing ahead, its workers are copies of a process that has loaded what they
+    need, and it reads, checks and draws one thing at a time.
     """
 
     def __init__(self, data: Path, *options: str, port: int = 0, usual: bool = False) -> None:
-        program = ["-m", "rota"] if usual else ["-c", LEAN]
+        program = ["-m", "rota"] if usual else ["-c", LEAN, address_of_one()]
         serve = ["serve", "--no-open", "--port", str(port), "--data", str(data), *options]
         self.process = subprocess.Popen([sys.executable, *program, *serve], stderr=subprocess.PIPE, text=True)
         assert self.process.stderr is not None

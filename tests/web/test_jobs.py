@@ -81,16 +81,17 @@ def test_stop_keeps_the_best_plan_so_far_and_the_queue_moves_up(client: TestClie
 
 
 @pytest.mark.slow  # starts processes anew
-def test_a_worker_that_dies_fails_its_job_and_no_other(client: TestClient) -> None:
-    job = started(client, YARD)
-    best = job_with_plan(client, job)["best"]
-    (child,) = planning_processes()
-    os.kill(child, signal.SIGKILL)
-    failed = job_when(client, job, "failed")
-    assert "ended" in failed["message"]
-    assert failed["plan"] is not None
-    assert failed["best"]["robots"] <= best["robots"]
-    assert client.get("/api/missions").status_code == 200
+def test_a_worker_that_dies_fails_its_job_and_no_other(tmp_path: Path) -> None:
+    with serving(tmp_path, usual=True) as client:
+        job = started(client, YARD)
+        best = job_with_plan(client, job)["best"]
+        (child,) = planning_processes()
+        os.kill(child, signal.SIGKILL)
+        failed = job_when(client, job, "failed")
+        assert "ended" in failed["message"]
+        assert failed["plan"] is not None
+        assert failed["best"]["robots"] <= best["robots"]
+        assert client.get("/api/missions").status_code == 200
 
 
 def planning_processes() -> list[int]:
@@ -145,7 +146,7 @@ def test_a_job_with_fewer_starts_than_robots_are_surely_needed_is_refused_as_in_
 
 @pytest.mark.slow  # fills memory
 def test_a_job_that_takes_too_much_memory_is_ended(tmp_path: Path) -> None:
-    with serving(tmp_path, Limits(job_memory_bytes=100 * 2**20)) as client:
+    with serving(tmp_path, Limits(job_memory_bytes=100 * 2**20), usual=True) as client:
         failed = job_when(client, started(client, YARD), "failed")
         assert "memory" in failed["message"]
 

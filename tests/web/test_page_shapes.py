@@ -36,6 +36,7 @@ def test_shapes_stay_on_the_map_when_a_plan_was_looked_at_whatever_is_chosen(wat
         else:
             draw_two(page, name, form, (280, 280), (320, 320))
         expect(page.locator(f".card[data-kind={name.lower()}][data-chosen=true]")).to_have_count(1)
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
         drawn = shapes.count()
         for tab in ("plan", "watch", "plan", "take"):
             page.locator(f"#tab-{tab}").click()
