@@ -23,6 +23,7 @@ from benchmarks.create2.plans import TypedMap, bounced_plan
 from PIL import Image
 from shapely import Point, box, union_all
 from tests.stand_in import standing_in
+from tests.warm_process import run_copy
 
 from rota.check import check_plan
 from rota.command.cli import run
@@ -384,9 +385,7 @@ BOUNCING = (EXAMPLES / "bounce-monitor.yaml").read_text()
 )
 def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int, left: str, yard: Path) -> None:
     Path("mission.yaml").write_text(mission)
-    done = subprocess.run(
-        [sys.executable, "-c", STOPPED_AT, str(asked)], capture_output=True, text=True, check=False, timeout=300
-    )
+    done = run_copy(STOPPED_AT, str(asked), timeout=300)
     assert done.returncode == 143, done.stderr
     assert "SIGTERM again ends at once" in done.stderr
     assert left in os.listdir(), done.stderr
@@ -435,8 +434,7 @@ TIME_IS_UP, SIGTERM, SIGHUP = "request.should_stop.stop()", "os.kill(os.getpid()
 def deaf(*options: str, judged: str = "()", stall: bool = False, stop: str = TIME_IS_UP) -> Any:
     """A search that never asks whether to stop, after plans of these times for a leg; stall: nor does the check."""
     script = DEAF.format(judged=judged, stall=stall, stop=stop)
-    command = [sys.executable, "-c", script, *options]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    return run_copy(script, *options)
 
 
 @pytest.mark.parametrize(("stop", "code"), [(TIME_IS_UP, 3), (SIGTERM, 143), (SIGHUP, 129)])
@@ -590,7 +588,7 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
         "  importlib.import_module(module).planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    done = run_copy(script)
     assert done.returncode == -getattr(signal, end)
     assert "still here" in done.stderr
     assert "deaf" not in done.stderr

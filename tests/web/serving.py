@@ -14,7 +14,8 @@ from typing import Any
 
 import httpx
 from starlette.testclient import TestClient
-from tests.web.warm_workers import address_of_one, copied_workers
+from tests.warm_process import address_of_one
+from tests.web.warm_workers import copied_workers
 
 from rota.web.app import make_app
 from rota.web.limits import Limits
