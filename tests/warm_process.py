@@ -1,7 +1,7 @@
 """Programs of tests that begin as copies of one process, which has loaded what they need.
 
-``python -m tests.warm_process ADDRESS`` is that one: it listens at a Unix socket until its stdin ends. An interpreter of
-its own would import all of Rota and load compiled loops, which takes two to five seconds.
+``python -m tests.warm_process ADDRESS`` is that one: it listens at a Unix socket until its stdin ends. An interpreter
+would import all of Rota and load compiled loops, which takes two to five seconds.
 """
 
 from __future__ import annotations
