@@ -23,9 +23,6 @@ from rota.planning.progress import Watch
 Result = TypeVar("Result")
 Given = ParamSpec("Given")
 
-MOST_WAITING = 200  # threads
-POLL_S = 0.1  # between two looks at the stop flag while others work
-
 
 @dataclass(frozen=True, kw_only=True)
 class Context:
@@ -66,7 +63,7 @@ class Context:
     @property
     def threads(self) -> int | None:
         """How many threads may work side by side, each by ``run``; those that only wait for an executor may be many."""
-        return os.cpu_count() if self.executor is None else MOST_WAITING
+        return os.cpu_count() if self.executor is None else 200  # that only wait
 
     def run(
         self, function: Callable[Concatenate[Context, Given], Result], *args: Given.args, **kwargs: Given.kwargs
@@ -82,7 +79,7 @@ class Context:
             self, problem=None, progress=silent, should_stop=_never, watch=None, executor=None,  # type: ignore[arg-type]
         )  # fmt: skip
         future: Future[Result] = submit_with(self.executor, self.problem, _run_there, there, function, args, kwargs)
-        while not wait([future], timeout=POLL_S).done:
+        while not wait([future], timeout=0.1).done:  # between two looks at the stop flag
             if self.should_stop():
                 future.cancel()
                 return function(self, *args, **kwargs)

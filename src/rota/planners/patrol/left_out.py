@@ -10,8 +10,6 @@ from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import has_many_corners, space_for
 from rota.planners.patrol.ground.unseeable import MOST_EXCLUDED, ground_asked_for, in_words, unseeable_ground
 
-LEAST_M2 = 0.01  # that is told
-
 
 def sentence_of_what_is_left_out(mission: Mission) -> str | None:
     """How much nobody can see of what is asked, and where; None for none, and where planning ends with it in any case.
@@ -27,6 +25,6 @@ def sentence_of_what_is_left_out(mission: Mission) -> str | None:
         return None
     asked = ground_asked_for(regions)
     found = unseeable_ground(asked, Sight(space.sure, sight_walls(mission), robot, 0.0))
-    if not LEAST_M2 <= found.m2 <= MOST_EXCLUDED * asked.area:
+    if not 0.01 <= found.m2 <= MOST_EXCLUDED * asked.area:  # less ground is not told of
         return None
     return f"{in_words(mission, found, asked.area)}; it is left out"

@@ -44,8 +44,6 @@ from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reaso
 from rota.planning.progress import Watch
 from rota.planning.stopping import put_off
 
-LAID_OUT_S = 6.0  # of processor time: a stop is put off by so much while the ground is laid out
-
 
 def plan_patrol(
     mission: Mission,
@@ -185,7 +183,7 @@ def plan_tours(
     """
     progress(0.0, "looking at the mission")
     least = mission_to_begin_with(mission)
-    laid_out_by = put_off(should_stop, LAID_OUT_S)  # most ground is laid out sooner, and then has a plan of lanes
+    laid_out_by = put_off(should_stop, 6.0)  # most ground is laid out sooner, and then has a plan of lanes
     problem = set_up_problem(least, should_stop=laid_out_by)
     if least is not mission and not first_tours_do(problem):
         problem = set_up_problem(mission, should_stop=laid_out_by)

@@ -15,9 +15,6 @@ from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS
 
-TO_SPARE = 0.01  # of the radius: the corners of arcs driven as straight legs lie up to 0.5 % of it outside
-LEAST_SHARE = 1e-5  # of the sensor's disc: less ground is rounding
-
 
 def require_corners_in_reach(mission: Mission) -> None:
     """NoPlanFound, with the place and what helps, where loops of arcs leave ground in corners out of reach.
@@ -38,18 +35,20 @@ def require_corners_in_reach(mission: Mission) -> None:
     shortest_m = min((region.period_s for region in regions), default=0.0) * slowest_m_s
     if radius_m == 0 or shortest_m <= reach_m:
         return
+    spare_m = 0.01 * radius_m  # corners of arcs driven as straight legs lie up to 0.5 % of the radius outside
     hull, body_m = mission.area.convex_hull, min(robot.body_radius_m for robot in robots)
     middles = shapely.buffer(hull, -(radius_m + body_m))
     asked = shapely.union_all([region.shape for region in regions])
     if middles.is_empty:
         # around a loop of such arcs there is room for a disc: its convex hull is bounded by arcs no tighter
-        has_room = not shapely.buffer(hull, -(radius_m * (1 - TO_SPARE) + body_m)).is_empty
+        has_room = not shapely.buffer(hull, -(radius_m - spare_m + body_m)).is_empty
         if shapely.minimum_bounding_radius(asked) > reach_m and not has_room:
             raise NoPlanFound(_no_room_sentence(hull, radius_m=radius_m, body_m=body_m))
         return  # who stays may see all
-    driven_m = radius_m * (1 + TO_SPARE) / math.cos(math.pi / 4 / ARC_STEPS)
+    driven_m = (radius_m + spare_m) / math.cos(math.pi / 4 / ARC_STEPS)
     near = shapely.buffer(middles, driven_m + reach_m, quad_segs=ARC_STEPS)
-    left = polygons_of(shapely.difference(asked, near), LEAST_SHARE * math.pi * reach_m**2)
+    # of the sensor's disc: less is rounding
+    left = polygons_of(shapely.difference(asked, near), 1e-5 * math.pi * reach_m**2)
     if not left.is_empty:
         raise NoPlanFound(_sentence(left, asked, middles, radius_m=radius_m, reach_m=reach_m))
 

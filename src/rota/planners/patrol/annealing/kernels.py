@@ -21,9 +21,6 @@ from rota.planners.patrol.annealing.state_kernels import apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import norm
 
-ANCHOR_MOVES = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
-MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
-
 
 class Schedule(NamedTuple):
     """Heat in metres, falling geometrically from ``hot_m`` to ``cold_m`` over so many moves.
@@ -58,7 +55,7 @@ def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class
     columns, rows = t.grid_n[0], t.grid_n[1]
     ci = min(max(int((px - t.grid[0]) / t.grid[2]), 0), columns - 1)
     cj = min(max(int((py - t.grid[1]) / t.grid[2]), 0), rows - 1)
-    last = MOST_RINGS
+    most = last = 8  # rings of buckets
     ring = 0
     while ring <= last:
         for j in range(max(cj - ring, 0), min(cj + ring, rows - 1) + 1):
@@ -77,8 +74,8 @@ def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class
                         if cost < best:
                             best, leg = cost, t.before[v]
                     v = t.bucket_after[v]
-        if leg >= 0 and last == MOST_RINGS:
-            last = min(ring + 2, MOST_RINGS)  # a leg that passes nearer may begin farther away
+        if leg >= 0 and last == most:
+            last = min(ring + 2, most)  # a leg that passes nearer may begin farther away
         ring += 1
     return leg
 
@@ -225,7 +222,8 @@ def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Sam
             change_legs(a, none, one, limit, most_m, space, s, t)
     elif kind < 0.30:
         h = t.hub[t.tour[v]]
-        if t.more[h] > 0 and h != t.tour[v] and uniform(t.rng) < ANCHOR_MOVES:
+        # of petals that may begin anywhere on their hub, half change where they do
+        if t.more[h] > 0 and h != t.tour[v] and uniform(t.rng) < 0.5:
             try_meeting_near(v, limit, most_m, space, s, t)
             return
         c = crossing_leg(v, t, most_m)

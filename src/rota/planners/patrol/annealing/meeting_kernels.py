@@ -24,8 +24,6 @@ from rota.planners.patrol.annealing.state_kernels import (
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import norm
 
-FARTHEST_STEPS = 8  # along its hub that an empty petal goes
-
 
 @noinline
 def try_meeting_near(v: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
@@ -36,7 +34,7 @@ def try_meeting_near(v: int, limit: float, most_m: float, space: EdgeGrid, s: Sa
     k = t.tour[v]
     if t.n[k] == 1:
         u = t.meets[k]
-        for _ in range(1 + int(uniform(t.rng) * FARTHEST_STEPS)):
+        for _ in range(1 + int(uniform(t.rng) * 8)):  # an empty petal goes so many steps along its hub
             u = t.after[u]
         return bool(meets_at(k, u, v, limit, most_m, space, s, t))
     u = hub_vertex_near(v, t)

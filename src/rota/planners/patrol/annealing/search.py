@@ -44,7 +44,7 @@ class Annealed:
 
 
 LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
-CHUNK, BENDS = 20_000, 2_000  # moves, and tries to see more, between two looks at the stop flag
+BENDS = 2_000  # tries to see more between two looks at the stop flag
 
 
 class Annealing:
@@ -163,7 +163,8 @@ class Annealing:
                 return False
             self._look_at_corners()
             made = annealing_kernels.anneal(
-                first, min(CHUNK, moves - first), schedule, self._step_m, self._longest_m,
+                # moves between two looks at the stop flag
+                first, min(20_000, moves - first), schedule, self._step_m, self._longest_m,
                 self._space, self._samples, self._state,
             )  # fmt: skip
             first += made

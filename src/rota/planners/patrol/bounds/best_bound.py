@@ -25,7 +25,6 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.targets import targets_of
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
-MOST_WINDOWS = 6  # for which forests are tried
 TOUR_STATES: dict[Effort, int] = {"quick": 20, "normal": 30, "high": 200}  # of each search for orders
 
 
@@ -118,7 +117,7 @@ def _by_pairs(witnesses: Witnesses, robot: Robot, least: int, visits: bool) -> I
     if visits:
         yield from visits_bound(apart_m, witnesses.period_s, speed_m_s, least)
     windows_s = np.unique(witnesses.period_s)
-    for window_s in windows_s[:: max(1, len(windows_s) // MOST_WINDOWS)]:
+    for window_s in windows_s[:: max(1, len(windows_s) // 6)]:  # six windows, or a few more, spread over all
         asked = np.flatnonzero(witnesses.period_s <= window_s)
         yield forest_bound(apart_m[np.ix_(asked, asked)], float(window_s), speed_m_s, least)
 

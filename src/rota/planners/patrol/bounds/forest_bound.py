@@ -23,12 +23,6 @@ from rota.planners.patrol.verdict import robots_in_words
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ASCENTS = 60  # steps of the subgradient method
-FIRST_STEP = 0.1  # of a window's travel, shared by the places: how far prices move in the first step
-GIVE_UP_EARLY, GIVE_UP = 0.4, 0.85  # forests shorter than these shares of the travel are given up, at once and later
-EARLY_ASCENTS = 15  # steps after which GIVE_UP rules
-THINNINGS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5)  # of a window's travel: least ways between the places kept
-
 
 def forest_bound(apart_m: Floats, window_s: float, speed_m_s: float, least: int) -> ProvedBound:
     """The bound for places at least apart_m (n, n) from each other; ``least`` is known already, as is 1."""
@@ -48,7 +42,7 @@ def travel_robots(apart_m: Floats, window_s: float, speed_m_s: float, least: int
     """
     travel_m = window_s * speed_m_s * SURELY
     robots, shown = least, np.zeros(0, dtype=np.int64)
-    for share in THINNINGS:
+    for share in (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5):  # of a window's travel: the least way between places kept
         kept = _thin(apart_m, share * travel_m)
         if len(kept) <= robots:
             continue
@@ -72,14 +66,14 @@ def _forest_robots(apart_m: Floats, travel_m: float, robots: int) -> int:
     n = len(apart_m)
     price = np.zeros(n)
     cost = np.where(apart_m > travel_m, np.inf, apart_m)  # no robot goes that far within the window
-    step_m = FIRST_STEP * travel_m / max(n, 1)
-    for ascent in range(ASCENTS):
+    step_m = 0.1 * travel_m / max(n, 1)  # how far prices move in the first step
+    for ascent in range(60):  # steps of the subgradient method
         first, second, length = shortest_tree(cost + price[:, None] + price[None, :])
         sorted_m, paid = np.sort(length), 2 * float(price.sum())
         while robots < n and float(sorted_m[: n - robots].sum()) - paid > robots * travel_m:
             robots += 1
         share = (float(sorted_m[: n - robots].sum()) - paid) / (robots * travel_m)
-        if share < GIVE_UP_EARLY or (ascent >= EARLY_ASCENTS and share < GIVE_UP):
+        if share < (0.4 if ascent < 15 else 0.85):  # too short, though prices have hardly moved at first
             break
         if robots >= n or not np.isfinite(length).any():
             break

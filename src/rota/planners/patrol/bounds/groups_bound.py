@@ -28,8 +28,6 @@ from rota.planners.patrol.tolerances import SURELY
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_NODES = 20_000  # of the search tree
-
 
 def groups_bound(pieces: Pieces, robot: Robot) -> ProvedBound:
     """The best of all groupings; of equal ones that with the most groups."""
@@ -64,7 +62,7 @@ def too_far_apart(apart_m: Floats, period_s: Floats, speed_m_s: float) -> NDArra
 def heaviest_clique(joined: NDArray[np.bool_], weight: Ints) -> list[int]:
     """Pairwise joined vertices of the greatest total weight, in ascending order.
 
-    joined: (n, n), symmetric, its diagonal ignored. weight: (n,), positive. After ``MOST_NODES`` nodes of the search
+    joined: (n, n), symmetric, its diagonal ignored. weight: (n,), positive. After 20,000 nodes of the search
     tree the heaviest clique so far is the answer.
     """
     n = len(weight)
@@ -86,7 +84,7 @@ def heaviest_clique(joined: NDArray[np.bool_], weight: Ints) -> list[int]:
         if total > sum(heavy[v] for v in best):
             best = list(clique)
         for v, bound in reversed(_colour_order(among, neighbours, heavy)):
-            if nodes >= MOST_NODES or total + bound <= sum(heavy[u] for u in best):
+            if nodes >= 20_000 or total + bound <= sum(heavy[u] for u in best):
                 return
             extend([*clique, v], total + heavy[v], among & neighbours[v])
             among &= ~(1 << v)

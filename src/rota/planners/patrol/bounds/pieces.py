@@ -18,9 +18,6 @@ from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_PIECES = 60
-MOST_LINKAGES = 12  # thresholds at which pieces are joined into groups
-
 
 @dataclass(frozen=True, kw_only=True)
 class Pieces:
@@ -44,7 +41,7 @@ def ground_pieces(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float]
         if region.demand == "every_point":
             lost = region.shape.area - area
             largest += [(p.area - lost, region.period_s, p) for p in region.shape.geoms if p.area > lost]
-    largest = sorted(largest, key=lambda piece: -piece[0] / piece[1])[:MOST_PIECES]
+    largest = sorted(largest, key=lambda piece: -piece[0] / piece[1])[:60]
     shapes = np.array([shape for _, _, shape in largest], dtype=object)
     away = np.zeros((len(largest), len(largest)))
     for i in range(len(largest)):
@@ -78,8 +75,9 @@ def _linkages(away_m: Floats) -> Iterator[Ints]:
     """Labels (n,) from 0 on of single linkage clusters, at thresholds from 0 up; away_m: (n, n)."""
     first, second, length = shortest_tree(away_m)
     steps = np.unique(np.append(0.0, length))
-    if len(steps) > MOST_LINKAGES:
-        steps = steps[np.unique(np.linspace(0, len(steps) - 1, MOST_LINKAGES).astype(np.int64))]
+    most = 12
+    if len(steps) > most:
+        steps = steps[np.unique(np.linspace(0, len(steps) - 1, most).astype(np.int64))]
     for step in steps:
         label = np.arange(len(away_m))
         for a, b in zip(first[length <= step], second[length <= step], strict=True):

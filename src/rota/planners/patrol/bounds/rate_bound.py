@@ -41,9 +41,6 @@ from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 
 Floats = NDArray[np.float64]
 
-MOST_OVERLAYS = 240  # of widened ground, over all pairs of classes
-_QUARTER = 16  # corners per quarter of the circles about ground; they contain the true ones
-
 
 def swept_robots(
     shapes: Sequence[MultiPolygon], lost_m2: Sequence[float], periods_s: Sequence[float], robot: Robot
@@ -103,7 +100,7 @@ def _border_areas(ground: Sequence[MultiPolygon], robot: Robot) -> Floats:
     border_m2 = np.zeros((k, k))
     reach_m, full_m = _reach_and_full(robot)
     pairs = k * (k - 1) // 2
-    rings = int(np.clip(MOST_OVERLAYS // max(pairs, 1), 4, 40))
+    rings = int(np.clip(240 // max(pairs, 1), 4, 40))  # overlays of widened ground in all
     at_m = np.linspace(0.0, full_m, rings + 1)
     gain = np.diff(np.array([rim_share(s / reach_m, robot) for s in at_m]))
     for j in range(k - 1):
@@ -118,7 +115,8 @@ def _border_areas(ground: Sequence[MultiPolygon], robot: Robot) -> Floats:
 
 def _widen(shape: MultiPolygon, by_m: float) -> MultiPolygon:
     """A shape that holds all points within ``by_m`` metres of this one."""
-    return shapely.buffer(shape, by_m / math.cos(math.pi / (4 * _QUARTER)), quad_segs=_QUARTER)
+    corners = 16  # of a quarter of a circle, which contains the true one
+    return shapely.buffer(shape, by_m / math.cos(math.pi / (4 * corners)), quad_segs=corners)
 
 
 def _reach_and_full(robot: Robot) -> tuple[float, float]:

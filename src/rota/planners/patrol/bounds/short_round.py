@@ -19,8 +19,6 @@ from rota.planners.patrol.tours.visiting_order import short_order
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PASSES = 30  # more shorten a way by next to nothing
-
 
 def robots_on_rounds(witnesses: Witnesses, robot: Robot) -> float:
     """How many robots surely serve all places, each component's on a round of its own.
@@ -49,7 +47,7 @@ def _robots_on_a_round(own: Witnesses, speed_m_s: float) -> float:
 def points_passed(places: Witnesses) -> Floats:
     """Points (n, 2) from which the places are served one after another, on a way that was made shorter."""
     xy_m, n = places.centre_m.copy(), len(places)
-    for turn in range(2 * PASSES):
+    for turn in range(60):  # more passes shorten a way by next to nothing
         which = np.arange(turn % 2, n, 2)
         before, after = xy_m[which - 1], xy_m[(which + 1) % n]
         along, centre = after - before, places.centre_m[which]

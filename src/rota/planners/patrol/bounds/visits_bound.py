@@ -34,9 +34,6 @@ from rota.planners.patrol.tolerances import SURELY
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_STATES = 100_000  # that are looked at for the answer
-APART = 0.01  # of the shortest period: places with less time between them are not asked about together
-
 
 def visits_bound(apart_m: Floats, period_s: Floats, speed_m_s: float, least: int) -> Iterator[ProvedBound]:
     """The proofs for places (n) at least apart_m (n, n) from each other, periods period_s (n,); ``least`` is known."""
@@ -54,8 +51,9 @@ def visits_bound(apart_m: Floats, period_s: Floats, speed_m_s: float, least: int
     )
     if max(robots, least) > 1:
         return
-    few = far_from_each_other(np.argsort(-share, kind="stable"), apart_s, APART * float(period_s.min()))
-    if is_hopeless(apart_s[np.ix_(few, few)], period_s[few], most_states=MOST_STATES):
+    # places less than a hundredth of the shortest period apart are not asked about together
+    few = far_from_each_other(np.argsort(-share, kind="stable"), apart_s, 0.01 * float(period_s.min()))
+    if is_hopeless(apart_s[np.ix_(few, few)], period_s[few], most_states=100_000):
         yield ProvedBound(
             robots=2,
             reason=f"no robot can come to all of {len(few)} places for ever, to each within its period",

@@ -28,12 +28,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SPREAD_OUT = 120  # witnesses that lie far from each other, and places in the linear program for visits
-MOST_HIDDEN = 40  # witnesses that hardly any place sees
-FEWEST_PER_PERIOD = 12
 MOST_LOOKED_AT = 20_000  # samples among which witnesses are chosen, for each period, or of which chains are made
 ROOM = 1e-4  # of the reach: what blocks is made thinner by it, so that rounding and tolerances only lower the bound
-_STEP = 1 / 8  # of the reach: between points on the border of a view
-_ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay within the true ones
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,8 +170,8 @@ class _WiderSpace:
         are_squares = all(isinstance(robot.sensor, SquareSensor) for robot in robots)
         self.half_side_m = self.reach_m / math.sqrt(2) if are_squares else math.inf
         self.travel = polygons_of(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
-        thin_m = max(0.0, _BODY_SHARE * body_m - room_m)
-        standing = standing_space(mission, thin_m, arc_corners=_ARC_CORNERS) if thin_m > 0 else self.travel
+        thin_m = max(0.0, 0.998 * body_m - room_m)  # circumscribed arcs of 64 corners stay within the true ones
+        standing = standing_space(mission, thin_m, arc_corners=64) if thin_m > 0 else self.travel
         self.components = list(standing.geoms)
         self.paths = ShortestPaths(self.travel)
         x0, y0, x1, y1 = shapely.box(*self.travel.bounds).buffer(4 * reach_m).bounds
@@ -244,7 +240,7 @@ class _WiderSpace:
 
     def _farthest(self, centre_m: Floats, shape: BaseGeometry) -> float:
         """A bound on the ways from the centre to the points of a shape in the travel space; 0 when it is empty."""
-        step_m = _STEP * self.reach_m
+        step_m = self.reach_m / 8  # between points on the border of a view
         farthest = 0.0
         for polygon in polygons_of(shape).geoms:
             border = np.unique(shapely.get_coordinates(shapely.segmentize(polygon.boundary, step_m)), axis=0)
@@ -281,9 +277,10 @@ def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float
     seen_by = np.bincount(seen, minlength=len(points))
     inside = inside[np.lexsort((inside, seen_by[inside]))]
     classes = np.unique(points.period[inside])
-    each = max(FEWEST_PER_PERIOD, MOST_SPREAD_OUT // len(classes))
+    fewest = 12  # of a period
+    each = max(fewest, MOST_SPREAD_OUT // len(classes))
     chosen: list[int] = []
-    for c in classes[:: max(1, len(classes) * FEWEST_PER_PERIOD // MOST_SPREAD_OUT)]:
+    for c in classes[:: max(1, len(classes) * fewest // MOST_SPREAD_OUT)]:
         among = inside[points.period[inside] <= c]
         among = among[:: max(1, len(among) // MOST_LOOKED_AT)]
         chosen += _spread_out(points.xy_m, among, chosen, each, reach_m / 2)
@@ -325,6 +322,6 @@ def _points_apart(sees: csr_array, among: Ints) -> list[int]:
         if not used[viewers].any():
             used[viewers] = True
             hidden.append(int(i))
-            if len(hidden) == MOST_HIDDEN:
+            if len(hidden) == 40:  # witnesses that hardly any place sees
                 break
     return hidden

@@ -34,10 +34,6 @@ from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SAME_TIME_S, S
 
 Floats = NDArray[np.float64]
 
-VIEW_EVERY = 0.25  # of the reach: between the places of a circuit whose views are joined
-VIEW_SIDES = 64
-SMOOTH = 0.05  # of the reach: by so much the border of what is seen is smoothed
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Circuit:
@@ -115,12 +111,14 @@ def without_seen(ground: Ground, circuits: Sequence[Circuit], mission: Mission) 
     """The ground without what circuits of shorter periods see on their way; ground that is left has smooth borders."""
     robot = strongest_robot(mission.fleet)
     reach_m = inner_reach_m(with_reserve(mission).fleet.equal_robot("robot-1").sensor)
-    walls, views = sight_walls(mission), []
+    walls, views, sides = sight_walls(mission), [], 64
     for circuit in circuits:
-        lasts_s, each_s = circuit.line.duration_s, VIEW_EVERY * reach_m / robot.ground_speed_m_s
+        # a quarter of the reach lies between places whose views are joined
+        lasts_s, each_s = circuit.line.duration_s, 0.25 * reach_m / robot.ground_speed_m_s
         for place_m in circuit.line.at(np.linspace(0.0, lasts_s, math.ceil(lasts_s / each_s) + 1)):
-            views.append(visibility_polygon(place_m, walls, reach_m * math.cos(math.pi / VIEW_SIDES), sides=VIEW_SIDES))
-    seen = shapely.union_all(views).buffer(-2 * SMOOTH * reach_m).buffer(SMOOTH * reach_m)
+            views.append(visibility_polygon(place_m, walls, reach_m * math.cos(math.pi / sides), sides=sides))
+    smooth_m = 0.05 * reach_m
+    seen = shapely.union_all(views).buffer(-2 * smooth_m).buffer(smooth_m)
     left = [
         replace(region, shape=polygons_of(region.shape.difference(seen))) if region.demand == "every_point" else region
         for region in ground.regions

@@ -22,10 +22,6 @@ from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, S
 
 Floats = NDArray[np.float64]
 
-MOST_LAUNCHES = 60  # in a turn
-MOST_PHASES = 24  # that are tried for a number of robots and a turn
-MOST_TURNS = 6  # lengths of turns for which phases are tried
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Turn:
@@ -67,10 +63,11 @@ def turns_of(circuits: Sequence[Circuit], battery: BatteryLimits) -> list[Turn]:
     found = {}
     for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_JOBS + 1)]):
         counts = np.maximum(1, np.ceil(turn_s / most_s * (1 - SAME_ROUND))).astype(np.int64)
-        if counts.sum() <= max(MOST_LAUNCHES, len(circuits)):
+        if counts.sum() <= max(60, len(circuits)):  # launches
             robots = float((counts * busy_s).sum() / turn_s)
             found[float(turn_s)] = Turn(lasts_s=float(turn_s), counts=counts, robots=robots)
-    return sorted(found.values(), key=lambda turn: (math.ceil(turn.robots - ROUNDING), turn.counts.sum()))[:MOST_TURNS]
+    by_robots = sorted(found.values(), key=lambda turn: (math.ceil(turn.robots - ROUNDING), turn.counts.sum()))
+    return by_robots[:6]  # for each of them phases are tried
 
 
 def fewest_rings(
@@ -83,7 +80,7 @@ def fewest_rings(
         for turn in turns:
             if turn.robots > robots + ROUNDING:
                 continue
-            for number in range(MOST_PHASES):
+            for number in range(24):  # phases that are tried for these robots and this turn
                 spread = np.arange(len(circuits)) / len(circuits)
                 phases = chance.random(len(circuits)) if number or seed else spread
                 rings = _Queue(circuits, turn, phases, robots).rings(battery)

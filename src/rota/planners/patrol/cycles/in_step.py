@@ -15,10 +15,6 @@ from rota.planners.patrol.cycles.teams import MOST_TOGETHER, Share
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TICKS = 1000  # of the clock within the shortest period: coarse times make rounds of robots equal
-MOST_ARRIVALS = 4000  # before a search is given up
-MOST_ROBOTS = 4  # whose shares are put together, to be done by one less
-
 
 def with_one_less(
     shares: list[Share],
@@ -52,11 +48,12 @@ def with_one_less(
 
 def groups_to_join(shares: list[Share]) -> list[tuple[int, ...]]:
     """The numbers of shares that together have a few robots and places; those with the fewest places first."""
+    most = 4  # robots
     groups = [
         chosen
-        for count in range(1, MOST_ROBOTS + 1)
+        for count in range(1, most + 1)
         for chosen in itertools.combinations(range(len(shares)), count)
-        if sum(shares[k].robots for k in chosen) <= MOST_ROBOTS
+        if sum(shares[k].robots for k in chosen) <= most
         and sum(len(np.unique(shares[k].order)) for k in chosen) <= MOST_TOGETHER
         and all(shares[k].times_s is None for k in chosen)
     ]
@@ -70,11 +67,12 @@ def serve_in_step(leg_s: Floats, period_s: Floats, robots: int, *, most_states: 
     """
     if not np.isfinite(leg_s).all() or robots < 2:
         return []
-    n, tick_s = len(period_s), float(period_s.min()) / TICKS
+    n, tick_s = len(period_s), float(period_s.min()) / 1000  # coarse times make rounds of robots equal
     leg = np.vstack([np.ceil(leg_s / tick_s), np.zeros((1, n))]).astype(np.int64)
     period = np.floor(period_s / tick_s).astype(np.int64)
-    arrivals = np.zeros((robots * MOST_ARRIVALS, 3), dtype=np.int64)
-    most = np.array([most_states, MOST_ARRIVALS, DEAD_KEPT])
+    most_arrivals = 4000  # before the search is given up
+    arrivals = np.zeros((robots * most_arrivals, 3), dtype=np.int64)
+    most = np.array([most_states, most_arrivals, DEAD_KEPT])
     count, round_ticks = rounds_in_step(leg, period, robots, most, arrivals)
     own = [arrivals[:count][arrivals[:count, 0] == r] for r in range(robots)]
     round_s = round_ticks * tick_s

@@ -14,7 +14,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TICKS = 1_000_000  # of the clock within the shortest deadline
-LONGEST_WAY = 2000  # visits before a search is given up
 DEAD_KEPT = 1000  # dead states of each place that are compared with
 
 
@@ -71,9 +70,10 @@ def _search(leg: Ints, period: Ints, most_states: int) -> Answer:
     """The search in one order of ways, then in another where that leaves the question open."""
     if len(period) == 1:
         return Answer(np.zeros(1, dtype=np.int64), True)
-    most = np.array([most_states, LONGEST_WAY, DEAD_KEPT])
+    longest_way = 2000  # visits before the search is given up
+    most = np.array([most_states, longest_way, DEAD_KEPT])
     for by_age in (True, False):
-        found = np.zeros(LONGEST_WAY, dtype=np.int64)
+        found = np.zeros(longest_way, dtype=np.int64)
         outcome, length = round_for_ever(leg, period, by_age, most, found)
         if outcome == Outcome.FOUND:
             return Answer(found[:length], True)

@@ -16,8 +16,6 @@ from rota.planners.patrol.tolerances import SLOWER
 Floats = NDArray[np.float64]
 
 SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
-# a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg itself
-ARC_SHARE = 1 - 2 / math.pi
 
 
 class AtOnce:
@@ -31,7 +29,8 @@ class AtOnce:
         self.robot = robot
         self.pace_m_s = robot.ground_speed_m_s
         rate, radius_m = robot.turn_rate_rad_s, robot.turn_radius_m
-        turn_m = ARC_SHARE * radius_m if rate is None else robot.ground_speed_m_s / rate
+        # a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg
+        turn_m = (1 - 2 / math.pi) * radius_m if rate is None else robot.ground_speed_m_s / rate
         self.corner_costs = CornerCosts(
             turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0, quarter_turn_m=math.pi / 2 * turn_m
         )

@@ -24,13 +24,6 @@ from rota.vehicles.blend_kernels import SLIVER, blends_of, corner_table, from_re
 
 Floats = NDArray[np.float64]
 
-STRAIGHT_OFF_M = (
-    OFF_M / 10
-)  # that legs may be off the S-curves along straight ways, where an acceleration near the limit leaves jumps no room
-SHORTEST_START_S = 0.05
-UNHURRIED = 1 + 3e-3  # times as long: what samples of a start are off then exceeds no limit
-START_PIECES = 4  # for each of a chord: speeds are then so near to the S-curve that no acceleration is too great
-
 
 class Auto:
     """What such a copter can do; see ``Driving``."""
@@ -91,23 +84,25 @@ class Auto:
         k = int(np.searchsorted(times[:, 0], phase_s - SAME_TIME_S)) % len(corners_m)
         leaves_s = max(float(times[k, 0]) - phase_s, 0.0) if k else line.duration_s - phase_s
         leaves_s = 0.0 if leaves_s > line.duration_s - SAME_TIME_S else leaves_s
-        blend_s = max(float(times[k, 1]), SHORTEST_START_S)
+        blend_s = max(float(times[k, 1]), 0.05)
         nearest_s = line.times_s[np.argmin(np.abs(line.times_s - times[k, 0] - blend_s))]
         if abs(nearest_s - times[k, 0] - blend_s) < SLIVER * self._chord_s:
             blend_s = float(nearest_s - times[k, 0])  # no leg of hardly any length after it
         limits, _, shape = self.model.closed_form
-        pieces = START_PIECES * max(1, math.ceil(blend_s / self._chord_s))
+        # speeds are then so near to the S-curve that no acceleration is too great
+        pieces = 4 * max(1, math.ceil(blend_s / self._chord_s))
         starts = np.asarray(from_rest(corners_m, k, blend_s / slower, pieces, speed, limits, shape))
         along_m = np.roll(corners_m, -1, axis=0)[k] - corners_m[k]
         along_m /= np.hypot(*along_m)
         goes_on = start_at(line, float(times[k, 0]) + blend_s)
-        lasts_s = blend_s / pieces * UNHURRIED
+        unhurried = 1 + 3e-3  # times as long: what samples of a start are off then exceeds no limit
+        lasts_s = blend_s / pieces * unhurried
         begun_s = leaves_s + lasts_s * np.arange(1, pieces + 1)
         begun_m = corners_m[k] + starts[1:, :1] * along_m
         begun_m[-1] = goes_on.places_m[0]
         lengths_m = np.hypot(*np.diff(np.vstack([corners_m[k], begun_m]), axis=0).T)
         most = 2 * lengths_m / lasts_s**2
-        changes = np.clip(np.diff(starts[:, 1]) / slower / UNHURRIED / lasts_s, -most, most)
+        changes = np.clip(np.diff(starts[:, 1]) / slower / unhurried / lasts_s, -most, most)
         waits = [leaves_s] if leaves_s > 0 else []
         passed_s = times[:-1, 0] + times[:-1, 1] / 2 - times[k, 0]
         passed_s = leaves_s + np.roll(passed_s % line.duration_s, -k)
@@ -125,8 +120,9 @@ class Auto:
         )
 
     def _rows(self, corners_m: Floats) -> Floats:
-        # a leg of constant acceleration is off a motion with jerk j by up to j t^3 / 31
-        straight_s = (31 * STRAIGHT_OFF_M / (math.pi / 2 * self.model.jerk_m_s3)) ** (1 / 3)
+        # a leg of constant acceleration is off a motion with jerk j by up to j t^3 / 31; along straight ways by a tenth
+        # of what is allowed, since an acceleration near the limit leaves jumps no room
+        straight_s = (31 * (OFF_M / 10) / (math.pi / 2 * self.model.jerk_m_s3)) ** (1 / 3)
         round_s = self.round_m(corners_m) / self.pace_m_s
         speed = self.robot.ground_speed_m_s
         return np.asarray(sampled_round(corners_m, speed, round_s, self._chord_s, straight_s, *self.model.closed_form))

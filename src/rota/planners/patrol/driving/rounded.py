@@ -24,8 +24,6 @@ from rota.planners.patrol.tolerances import OFF_M, SLOWER, TO_SPARE
 
 Floats = NDArray[np.float64]
 
-SLOWEST_M_S = 1e-3  # slower is at rest
-SLOPE_M = 0.02  # by which vertices are moved to see what moves cost
 STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
 
 
@@ -85,7 +83,8 @@ class Rounded:
         ring[:2] = vertices_m.T
         growth, bends = np.zeros_like(vertices_m), np.zeros_like(vertices_m)
         if len(vertices_m) > 2:
-            slopes(ring, np.zeros((len(Row), 2 * BESIDE + 1)), self.corner_costs.limits, SLOPE_M, growth, bends)
+            moved_m = 0.02
+            slopes(ring, np.zeros((len(Row), 2 * BESIDE + 1)), self.corner_costs.limits, moved_m, growth, bends)
         return growth, bends
 
     def _rows(self, corners_m: Floats) -> Floats:
@@ -97,7 +96,7 @@ class Rounded:
 
     def run_up(self, place_m: Floats, direction: Floats, speed_m_s: float) -> TimedLine:
         """A start from rest that gets to a place (2,), in a direction (2,) of length 1, at a speed; one row for 0."""
-        if speed_m_s < SLOWEST_M_S:
+        if speed_m_s < 1e-3:  # at rest
             return steady(np.zeros(1), place_m[None])
         return _line(kernels.run_up(*place_m, *direction, min(speed_m_s, self.limits.speed_m_s), self.limits))
 

@@ -11,8 +11,6 @@ from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_from_x
 from rota.planners.patrol.tolerances import ON_LINE_M, TIE
 
-SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
-
 
 @kernel(error_model="numpy")
 def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
@@ -25,6 +23,7 @@ def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     depth2 = np.empty((n, 2, DEPTH_SECTORS), dtype=np.float32)
     clear, blocked = np.empty(DEPTH_SECTORS), np.empty(DEPTH_SECTORS)
     borders = _borders()
+    slack = 1e-5  # share of a depth given away: depths are kept with 24 bits
     for i in range(n):
         clear[:], blocked[:] = math.inf, math.inf
         x, y = xy[i]
@@ -32,8 +31,8 @@ def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
             w = walls[wall_item[j]]
             _shadow(w[0] - x, w[1] - y, w[2] - x, w[3] - y, borders, clear, blocked)
         for k in range(DEPTH_SECTORS):
-            depth2[i, 0, k] = ((1 - SLACK) * clear[k]) ** 2
-            depth2[i, 1, k] = ((1 + SLACK) * blocked[k]) ** 2
+            depth2[i, 0, k] = ((1 - slack) * clear[k]) ** 2
+            depth2[i, 1, k] = ((1 + slack) * blocked[k]) ** 2
     return depth2
 
 

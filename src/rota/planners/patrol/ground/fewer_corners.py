@@ -14,11 +14,7 @@ from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.tolerances import TIE
 
-MANY = 500  # corners of all obstacles: with fewer, all are kept
-SMALL = 0.25  # of the reach: obstacles at most so wide are drawn with fewer corners
-GROWN = 0.01  # of the reach, by which they grow at most
-KEPT_OFF = 3.0  # times that: an obstacle nearer than a body's width and so much more to anything stays as it is
-SIDES = (4, 6, 8, 12, 16, 24)  # tried, the fewest first
+GROWN = 0.01  # of the reach, by which obstacles grow at most
 
 
 def with_fewer_corners(mission: Mission, reach_m: float, body_m: float) -> Mission:
@@ -29,10 +25,11 @@ def with_fewer_corners(mission: Mission, reach_m: float, body_m: float) -> Missi
     or the area's border, is left as it is.
     """
     shapes = [obstacle.shape for obstacle in mission.obstacles]
-    if int(shapely.get_num_coordinates(shapes).sum()) <= MANY:
+    if int(shapely.get_num_coordinates(shapes).sum()) <= 500:
         return mission
     parts, owners = shapely.get_parts(shapes, return_index=True)
-    crowded = _those_beside_others(parts, mission, 2 * body_m + KEPT_OFF * GROWN * reach_m)
+    # an obstacle nearer than that to anything stays as it is
+    crowded = _those_beside_others(parts, mission, 2 * body_m + 3.0 * GROWN * reach_m)
     simple = parts.copy()
     for k in np.flatnonzero(~crowded):
         simple[k] = _with_fewest_sides(parts[k], reach_m)
@@ -61,9 +58,9 @@ def _with_fewest_sides(part: Polygon, reach_m: float) -> Polygon:
     """
     corners = shapely.get_coordinates(shapely.convex_hull(part))[:-1]
     middle = corners.mean(axis=0)
-    if 2 * np.hypot(*(corners - middle).T).max() > SMALL * reach_m:
+    if 2 * np.hypot(*(corners - middle).T).max() > 0.25 * reach_m:  # wider ones keep their corners
         return part
-    for sides in SIDES:
+    for sides in (4, 6, 8, 12, 16, 24):  # the fewest first
         if sides >= shapely.get_num_coordinates(part) - 1:
             break
         turn = 2 * math.pi / sides

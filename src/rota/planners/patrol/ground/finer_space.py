@@ -21,9 +21,6 @@ from rota.planners.patrol.tolerances import HAIR_M
 Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
-FINE_ARC_CORNERS = (128, 2048)
-GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
-CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
 
 def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
@@ -35,12 +32,14 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     space, body_m = problem.space, problem.robot.body_radius_m
     _, ranges_m = nearest_places(points_m, space, problem.walls, problem.robot)
     hidden_m = points_m[ranges_m > problem.reach_m]
-    hidden_m = hidden_m[np.unique(np.floor(hidden_m / (CROWD * problem.reach_m)), axis=0, return_index=True)[1]]
+    # points in one cell are seen past one corner: one of them is looked at
+    hidden_m = hidden_m[np.unique(np.floor(hidden_m / (0.004 * problem.reach_m)), axis=0, return_index=True)[1]]
     tree = shapely.STRtree(problem.paths.parts)
     near_m, patches = problem.robot.sensor.reach_m + 2 * body_m, []
-    for group_m in _groups(hidden_m, GROUP * problem.reach_m):
+    # points of one square share the finer space, which takes long to draw
+    for group_m in _groups(hidden_m, 0.5 * problem.reach_m):
         box = (*(group_m.min(axis=0) - near_m), *(group_m.max(axis=0) + near_m))
-        for arc_corners in FINE_ARC_CORNERS:
+        for arc_corners in (128, 2048):
             fine = finer_space_in(problem, box, arc_corners)
             fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
             places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)

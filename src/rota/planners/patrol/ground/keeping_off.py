@@ -20,10 +20,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import rows_in_order
 from rota.planners.patrol.tolerances import HAIR_M
 
-SPARE = 1.01  # of two bodies: centres are kept apart by that
 QUARTER_CORNERS = 4  # of a quarter turn round a robot that stays
-MOST_LOST = 1e-3  # of a part: where more is cut off, the robot that stays is in everybody's way
-WAIT_SPARE = 1.0005  # the same round one that waits for who takes turns with it
 
 
 def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Sequence[int]) -> Problem:
@@ -39,7 +36,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     apart_m = 2 * problem.robot.body_radius_m
     parts, kept_off, waits_m = list(problem.paths.parts), list(problem.kept_off), dict(problem.waits_m)
     for spot, own in zip(spots, components, strict=True):
-        disc = grow(shapely.convex_hull(spot), SPARE * apart_m, QUARTER_CORNERS)
+        disc = grow(shapely.convex_hull(spot), 1.01 * apart_m, QUARTER_CORNERS)  # a hundredth more than two bodies
         near = [int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects") if k != own]
         beside = [k for k in near if parts[k].area <= math.pi * (apart_m / 2) ** 2]
         waits_at = farthest_place(spot, [parts[k] for k in beside]) if beside and spot.area > 0 else None
@@ -47,7 +44,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
             waits_m[own] = (waits_at.x, waits_at.y)
         for k in near:
             takes_turns = waits_at is not None and k in beside
-            taken = grow(waits_at, WAIT_SPARE * apart_m, ARC_STEPS) if takes_turns else disc
+            taken = grow(waits_at, 1.0005 * apart_m, ARC_STEPS) if takes_turns else disc
             part = cut_back(parts, k, taken)
             if part is not parts[k]:
                 parts[k] = part
@@ -81,6 +78,7 @@ def cut_back(parts: Sequence[Polygon], k: int, disc: Polygon) -> Polygon:
     """The k-th part without the disc; itself where that would cut off much of it, or leave less than the next has."""
     left = [each for each in shapely.get_parts(shapely.difference(parts[k], disc)) if each.area > 0]
     largest = max(left, key=lambda each: float(each.area), default=None)
-    if largest is None or sum(each.area for each in left) - largest.area > MOST_LOST * parts[k].area:
+    # a robot that cuts off more is in everybody's way
+    if largest is None or sum(each.area for each in left) - largest.area > 1e-3 * parts[k].area:
         return parts[k]
     return parts[k] if k + 1 < len(parts) and largest.area <= parts[k + 1].area else largest

@@ -21,9 +21,7 @@ from rota.planners.patrol.tolerances import BESIDE_M
 Floats = NDArray[np.float64]
 
 ARC_STEPS = 64  # per quarter of a circle
-NEAR = 0.98  # of the reach: what is so near is in range, whatever chords cut off
 FEW_CORNERS = 1_000  # of a space: what is in its range is soon worked out
-MOST_SQUARES = 50_000  # in which it is told whether all of a shape is near
 
 
 def area_in_range(space: MultiPolygon, robot: Robot, short_m: float) -> BaseGeometry:
@@ -46,7 +44,8 @@ def limit_is_asked_for(
     """Whether some ground that must be seen is out of reach of a sensor that reaches ``range_margin_m`` less."""
     asked = [region.shape for region in regions if region.demand == "every_point"]
     beyond = shapely.difference(shapely.union_all(asked), space)
-    if beyond.is_empty or _is_near(beyond, space, NEAR * sensor_arguments(robot, range_margin_m)[0]):
+    # what is so near is in range, whatever chords cut off
+    if beyond.is_empty or _is_near(beyond, space, 0.98 * sensor_arguments(robot, range_margin_m)[0]):
         return False
     return not bool(shapely.covers(area_in_range(space, robot, range_margin_m), beyond))
 
@@ -60,7 +59,7 @@ def _is_near(shape: BaseGeometry, space: MultiPolygon, near_m: float) -> bool:
     if len(corners_m) <= FEW_CORNERS:
         return False
     x0, y0, x1, y1 = shape.bounds
-    side_m = max(near_m / 4, float(np.sqrt((x1 - x0) * (y1 - y0) / MOST_SQUARES)))
+    side_m = max(near_m / 4, float(np.sqrt((x1 - x0) * (y1 - y0) / 50_000)))  # 50,000 squares at most
     columns, rows = int((x1 - x0) / side_m) + 1, int((y1 - y0) / side_m) + 1
     x, y = (v.ravel() for v in np.meshgrid(x0 + side_m * np.arange(columns), y0 + side_m * np.arange(rows)))
     away_m, _ = cKDTree(corners_m).query(np.column_stack([x, y]) + side_m / 2)

@@ -10,12 +10,11 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.tolerances import INSIDE_M
 
-RAGGED_PER_SIDE = 2  # points: what one misses of a side that is seen through slits takes rounds of repair
-
 
 def nooks_of(problem: Problem) -> SamplePoints:
     """Points beside every side of a region that must be seen, and one in every inner corner; more on ragged ground."""
-    found, per_side = [no_points()], RAGGED_PER_SIDE if problem.is_ragged else 1
+    # what one point misses of a side that is seen through slits takes rounds
+    found, per_side = [no_points()], 2 if problem.is_ragged else 1
     for i, region in enumerate(problem.regions):
         if region.demand == "every_point":
             xy_m = nooks(region.shape, INSIDE_M, per_side=per_side)

@@ -39,12 +39,6 @@ from rota.planning.stopping import require_going_on
 
 Floats = NDArray[np.float64]
 
-BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
-
-
-SHORT_WALL, NOOK_RAD = 0.1, 0.5  # of the reach: walls between which a corner that turns by more is a nook
-MANY_NOOKS = 50  # and more than one for each square of the reach, are those of ragged ground
-
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
@@ -112,8 +106,8 @@ class Problem:
     @cached_property
     def is_full_of_nooks(self) -> bool:
         """Whether much lies in nooks that no body enters: it is seen through slits, for which samples are too few."""
-        nooks = count_nooks(self.walls, min(SHORT_WALL * self.reach_m, self.robot.body_radius_m))
-        return nooks > max(MANY_NOOKS, self.asked_m2 / self.reach_m**2)
+        nooks = count_nooks(self.walls, min(0.1 * self.reach_m, self.robot.body_radius_m))
+        return nooks > max(50, self.asked_m2 / self.reach_m**2)  # one for each square of the reach
 
     @property
     def pace_m_s(self) -> float:
@@ -195,7 +189,7 @@ def count_nooks(walls: Floats, most_m: float) -> int:
     turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
     short = np.hypot(*step.T) < most_m
     follows = (walls[:-1, 2:] == walls[1:, :2]).all(axis=1)
-    return int(np.count_nonzero(short[:-1] & short[1:] & follows & (np.abs(turn) > NOOK_RAD)))
+    return int(np.count_nonzero(short[:-1] & short[1:] & follows & (np.abs(turn) > 0.5)))
 
 
 def surely_seen(
@@ -259,7 +253,7 @@ def points_of_regions(
     each = [
         region_points(
             region, i, periods_s.index(region.period_s), space,
-            spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=BORDER_INSET * reach_m,
+            spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m,
         )
         for i, region in enumerate(regions)
     ]  # fmt: skip

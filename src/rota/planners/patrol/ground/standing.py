@@ -21,11 +21,9 @@ from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.tolerances import SLIVER_M2
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
-COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners
 POCKET_ARC_CORNERS = 128  # the same beside pockets of the space, which coarse arcs would part from it
 GRAZE_M = 9e-7  # by so much bodies may touch the walls of a scanned floor; a plan may have them touch by 1e-6 m
 CLEARANCE = 2e-3  # of its radius by which a body keeps off walls on its way from an entrance
-FINE_ARC_M = 0.0005  # at the limit of sight a corner may keep a robot at most this much farther off than its body does
 
 
 class StandingSpace(NamedTuple):
@@ -90,9 +88,10 @@ def _drawn_coarsely(mission: Mission, body_radius_m: float) -> tuple[MultiPolygo
     """Where the centre of a body may be, and surely comes to, with few corners."""
     if not has_many_corners(mission):
         return _draw(mission, body_radius_m, ARC_CORNERS)
-    space, sure = _anywhere(mission, body_radius_m, COARSE_ARC_CORNERS)
+    few = 8
+    space, sure = _anywhere(mission, body_radius_m, few)
     space = with_pockets_opened(mission, space, body_radius_m)
-    return _behind_entrances(mission, space, sure, body_radius_m, COARSE_ARC_CORNERS)
+    return _behind_entrances(mission, space, sure, body_radius_m, few)
 
 
 def _draw(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
@@ -156,5 +155,6 @@ def drawn_finer(mission: Mission, space: MultiPolygon, parts: Sequence[Polygon],
 
 
 def fine_arc_corners(body_radius_m: float) -> int:
-    """Corners of a whole turn round a grown corner that keep a robot at most ``FINE_ARC_M`` too far from it."""
-    return max(ARC_CORNERS, math.ceil(math.pi / math.acos(1 / (1 + FINE_ARC_M / max(body_radius_m, FINE_ARC_M)))))
+    """Corners of a whole turn round a grown corner that keep a robot at most half a millimetre too far from it."""
+    off_m = 0.0005
+    return max(ARC_CORNERS, math.ceil(math.pi / math.acos(1 / (1 + off_m / max(body_radius_m, off_m)))))

@@ -19,7 +19,6 @@ from rota.planners.patrol.tolerances import OUT_OF_REACH
 Floats = NDArray[np.float64]
 
 MANY_WALLS = 500  # with fewer, all of the ground is looked at, drawn finer and measured round
-MOST_KEPT = 3  # grounds
 
 
 class Surroundings:
@@ -59,7 +58,7 @@ def surroundings(space: MultiPolygon, walls: Floats, reach_m: float) -> Surround
         if known.space is space and known.walls is walls and known.reach_m == reach_m:
             return known
     made = Surroundings(space, walls, reach_m)
-    _kept = (made, *_kept[: MOST_KEPT - 1])
+    _kept = (made, *_kept[:2])  # three grounds in all
     return made
 
 

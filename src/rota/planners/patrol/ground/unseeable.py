@@ -21,12 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
-HAIR = 5e-4  # of the reach: ground beyond it that is not as wide is rounding of arcs
-LOOKS = 300  # squares that are looked at for what walls hide: for a guess
 CLOSE_LOOKS = 1_000  # for a figure
-UNSURE = 0.6  # of what is allowed: a guess below it will do
-MOST_TOLD = 5  # places
-FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
 
 
 class Unseeable(NamedTuple):
@@ -50,7 +45,8 @@ def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...],
     if not is_refused:
         if far.area + hidable.area <= allowed_m2:
             return
-        if far.area + hidden_ground(hidable, sight, LOOKS).m2 <= UNSURE * allowed_m2:
+        # 300 squares make a guess, which will do if it is so low
+        if far.area + hidden_ground(hidable, sight, 300).m2 <= 0.6 * allowed_m2:
             return
     found = _both(far, hidden_ground(hidable, sight, CLOSE_LOOKS, closely=True))
     if is_refused or found.m2 > allowed_m2:
@@ -73,7 +69,7 @@ def refuse_unseeable(
 
 def out_of_range(asked: BaseGeometry, near: BaseGeometry, sight: Sight) -> BaseGeometry:
     """The ground that no place where robots can be has in range (``near``), whatever walls there are."""
-    hair_m = HAIR * inner_reach_m(sight.robot.sensor)
+    hair_m = 5e-4 * inner_reach_m(sight.robot.sensor)  # ground beyond the reach that is no wider is rounding of arcs
     parts = _parts(shapely.difference(asked, near))
     return shapely.union_all([part for part in parts if not part.buffer(-hair_m).is_empty])
 
@@ -131,7 +127,7 @@ def _hidable(asked: BaseGeometry, near: BaseGeometry, sight: Sight, enough_m2: f
     if not len(walls):
         return shapely.MultiPolygon()
     ground = shapely.intersection(shapely.difference(asked, space), near)
-    if ground.area > enough_m2 and len(walls) <= FEW_WALLS:
+    if ground.area > enough_m2 and len(walls) <= 2_000:  # ground that is clear of so few is soon worked out
         round_walls = shapely.buffer(shapely.linestrings(walls.reshape(-1, 2, 2)), 1.01 * robot.sensor.reach_m)
         ground = shapely.intersection(ground, shapely.union_all(round_walls))
     return ground
@@ -187,13 +183,14 @@ def _parts(shape: BaseGeometry) -> list[BaseGeometry]:
 
 def in_words(mission: Mission, found: Unseeable, asked_m2: float) -> str:
     """How much of what is asked nobody sees, and where."""
-    parts = sorted(_parts(found.shape), key=lambda part: -float(part.area))[:MOST_TOLD]
+    most = 5  # places
+    parts = sorted(_parts(found.shape), key=lambda part: -float(part.area))[:most]
     middles = [part.point_on_surface() for part in parts]
     places = ", ".join(f"({middle.x:.2f}, {middle.y:.2f})" for middle in middles)
     where, entrances = "a robot can stand", mission.fleet.entrances
     if entrances is not None:
-        listed = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in entrances[:MOST_TOLD])
-        more = f" and {len(entrances) - MOST_TOLD} more" if len(entrances) > MOST_TOLD else ""
+        listed = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in entrances[:most])
+        more = f" and {len(entrances) - most} more" if len(entrances) > most else ""
         where = f"a robot can come to from fleet.entrances: {listed}{more}"
     lost = f"about {found.m2:.2f} m2 ({found.m2 / asked_m2:.1%}" if found.m2 >= 0.01 else "less than 0.01 m2 (0.0%"
     return f"{lost} of what is asked) cannot be seen from anywhere {where}, for instance round {places}"

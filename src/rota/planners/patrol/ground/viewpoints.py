@@ -36,8 +36,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
-CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
-COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
 
 
 class Viewpoints(NamedTuple):
@@ -171,7 +169,7 @@ def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
     def rows_seen_from(place_m: Floats) -> Ints:
         return what_places_see(place_m[None], robot, margin_m, samples)[1]
 
-    candidates_m = candidate_places(space, CANDIDATE_SPACING * reach_m, COARSEST_SPACING * reach_m)
+    candidates_m = candidate_places(space, 0.5 * reach_m, 0.9 * reach_m)
     unseen = np.ones(len(points), dtype=bool)
     unseen[what_places_see(candidates_m, robot, margin_m, samples)[1]] = False
     further_m, left = search_unseen(

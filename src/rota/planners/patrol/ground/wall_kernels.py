@@ -11,9 +11,6 @@ from rota.compiled.kernel import allocation_free, kernel
 from rota.planners.patrol.ground.sight_kernels import norm
 from rota.planners.patrol.tolerances import ON_LINE_M
 
-MANY_WALLS = 40  # round a point: from this number on they are sorted by direction
-MOST_SECTORS = 256  # into which they are sorted
-
 
 class WallCells(NamedTuple):
     """Walls (w, 4) in square cells: those in column i and row j are items[start[j * nx + i] : start[j * nx + i + 1]].
@@ -106,7 +103,7 @@ def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
         angles[2 * j + 1] = math.atan2(w[3] - y, w[2] - x)
         needed[j] = lies_on(w, x, y)
     angles[-1] = np.min(angles[:-1]) + 2 * math.pi
-    if count > MANY_WALLS:
+    if count > 40:  # more are sorted by direction first
         mark_nearest(x, y, items, walls, angles, needed)
         return needed
     angles.sort()
@@ -131,7 +128,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
     the nearest first, so that a ray is tried on those alone that lie its way and could be nearer than what it has hit.
     """
     count = items.shape[0]
-    away, sectors = np.empty(count), min(count, MOST_SECTORS)
+    away, sectors = np.empty(count), min(count, 256)
     first, last = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     start = np.zeros(sectors + 1, dtype=np.int64)
     for j in range(count):

@@ -22,9 +22,6 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-THERE_M = 5e-7  # who is so near to where a round is to be joined is there
-MOST_TRIED = 6  # places at which a robot that turns slowly may still come too late
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Standing:
@@ -80,7 +77,7 @@ class Entries:
         tried, from_s = 0, 0.0
         for entry in np.argsort(moments_s, kind="stable"):
             joins_s = float(moments_s[entry])
-            if not math.isfinite(joins_s) or tried == MOST_TRIED:
+            if not math.isfinite(joins_s) or tried == 6:  # a robot that turns slowly came too late at six places
                 break
             if joins_s < from_s:
                 continue
@@ -114,7 +111,7 @@ class Entries:
     def _approach(self, one: Standing, round_: TimedLine) -> Approach:
         """The way from where a robot is to where a round begins."""
         onward_m = first_step_m(round_.places_m)
-        if math.dist(one.place_m, round_.places_m[0]) <= THERE_M:
+        if math.dist(one.place_m, round_.places_m[0]) <= 5e-7:  # it is there already
             return Approach(line=steady(np.zeros(1), round_.places_m[:1]))
         line_m = self._paths_by_body.line(one.robot, one.place_m, round_.places_m[0], onward_m, one.heading_rad)
         return timed_approach(line_m, one.robot, onward_m)

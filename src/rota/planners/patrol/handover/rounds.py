@@ -24,7 +24,6 @@ COMPARED = 16  # moments of two rounds
 PHASES = 8  # of a round, or moments at which all begin, that are tried, beside those at which somebody need not wait
 HALVINGS = 4  # of the step between them, to try those beside the best
 ENTRIES = 120  # places of a round at which robots may come into it, or another one may be joined to it
-WING_SPACING = 1.5  # turn radii between the places that a round of joined ones passes in curves
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -111,7 +110,8 @@ def join_rounds(lines: Sequence[TimedLine], robot: Robot, paths: ShortestPaths) 
         joined_m = without_straight_vertices(_without_repeats(joined_m))
         left.pop(k)
     if robot.turn_radius_m > 0:
-        spaced_m = _places_along(joined_m, WING_SPACING * robot.turn_radius_m)
+        # turn radii between places that are passed in curves
+        spaced_m = _places_along(joined_m, 1.5 * robot.turn_radius_m)
         joined_m = closed_curve(spaced_m, robot.turn_radius_m, paths.grid)
     return loop_timetable(joined_m, robot)
 

@@ -12,8 +12,6 @@ from rota.planners.patrol.handover.rounds import Round
 
 Floats = NDArray[np.float64]
 
-MOST_ROUNDS = 7  # of which every way to join them is looked at
-
 
 @dataclass(frozen=True)
 class Share:
@@ -125,7 +123,7 @@ def _partitions(rounds: Sequence[Round], robots: int, between_m: Floats) -> Iter
     """Ways to join rounds to at most so many; of very many rounds one way for each number, the nearest joined first."""
     numbers = list(range(len(rounds)))
     reachable = np.isfinite(between_m)
-    if len(rounds) <= MOST_ROUNDS:
+    if len(rounds) <= 7:  # every way to join them is looked at
         for parts in _set_partitions(numbers):
             if len(parts) <= robots and all(reachable[np.ix_(part, part)].all() for part in parts):
                 yield parts

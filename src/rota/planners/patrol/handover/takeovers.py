@@ -39,9 +39,6 @@ from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
-SHORT_S = 1e6  # what it costs to give a round to a robot that is slower, sees less far or does not count where it leads
-FINER = 4  # plans, the least late ones, for which phases beside theirs are tried
-
 
 def takeovers(asked: Handover) -> Iterator[Plan]:
     """Plans for the mission with a seam, the one that changes least first; see ``Planner.takeovers``."""
@@ -61,7 +58,7 @@ def takeovers(asked: Handover) -> Iterator[Plan]:
     for sharing in takeover.sharings():
         yield from takeover.plans_of(sharing)
     takeover.finer.sort(key=lambda one: one[0])
-    for _, finer in takeover.finer[:FINER]:
+    for _, finer in takeover.finer[:4]:  # the least late ones
         yield from finer
 
 
@@ -188,7 +185,7 @@ class _Takeover:
                     paths = self.paths_by_body.paths(one.robot.body_radius_m)
                     here_m = self.paths_by_body.standing(one.robot, one.place_m)[None]
                     costs_s[i, k] = 1.0 + paths.distances(here_m, places).min() / one.robot.ground_speed_m_s
-                costs_s[i, k] += SHORT_S * max(
+                costs_s[i, k] += 1e6 * max(  # for a robot that is slower, sees less far or does not count there
                     (one.shortfalls(self.standing[name].robot) for one in drivers), default=0
                 )
         costs_s = np.where(np.isfinite(costs_s), costs_s, 1e9)

@@ -20,9 +20,6 @@ from rota.planners.patrol.traffic.bodies.timing import crowds_that_touch
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STATIONS = 48  # places to a budget where a tour may be cut
-FULL = 0.94  # of its budget that a tour takes: repair leads it past more places
-
 
 class Cuts(NamedTuple):
     """Where a tour may be cut: stations (s,) among its vertices, and lengths (s, s + 1).
@@ -53,11 +50,12 @@ def cut_where_bodies_touch(problem: Problem, tours: list[Tour]) -> list[Tour]:
 def cut(problem: Problem, tour: Tour) -> list[Tour]:
     """One tour cut; the longest of the parts is as short as it can be for so many."""
     budget_m = replace(tour, robots=1).budget_m
-    cuts = possible_cuts(problem, tour, budget_m / STATIONS)
-    parts = fewest_parts(cuts, FULL * budget_m)
+    cuts = possible_cuts(problem, tour, budget_m / 48)  # places to a budget where a tour may be cut
+    full_m = 0.94 * budget_m  # repair leads it past more places
+    parts = fewest_parts(cuts, full_m)
     if parts is None:
         return [tour]
-    low, high = 0.0, FULL * budget_m
+    low, high = 0.0, full_m
     for _ in range(12):  # halvings, to less than a thousandth of the budget
         middle = (low + high) / 2
         tighter = fewest_parts(cuts, middle)

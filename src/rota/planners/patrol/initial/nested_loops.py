@@ -17,10 +17,6 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SEPARATE_GAIN = 1.1875  # excursions from vertices of their own spend a share of their metres larger by this factor
-LEAST_SEPARATE = 0.7  # they are used if they spend more than this share of what excursions from one vertex do
-MOST_PETALS = 12
-
 
 def can_nest(problem: Problem) -> bool:
     """Whether nests are tried: their timetable knows neither turning time at the hub nor bodies."""
@@ -30,7 +26,7 @@ def can_nest(problem: Problem) -> bool:
 
 def petals_of(tour: Tour, slow_s: float) -> int:
     """The excursions that fit into the slow period, one after each round of the hub; 0 when there is but one."""
-    petals = min(MOST_PETALS, math.floor(slow_s / tour.period_s + 1e-9))
+    petals = min(12, math.floor(slow_s / tour.period_s + 1e-9))
     return petals if petals > 1 else 0
 
 
@@ -74,8 +70,8 @@ def excursions(tour: Tour, ideal_m: float, slow_s: float, estimate: ExcursionEst
     if not separate:
         return together
     petals, metres = separate_petals(tour, ideal_m, slow_s, estimate.hub_detour)
-    apart = Excursions(petals, SEPARATE_GAIN * estimate.travel_share * metres, True)
-    return apart if petals and apart.spare_m > LEAST_SEPARATE * together.spare_m else together
+    apart = Excursions(petals, 1.1875 * estimate.travel_share * metres, True)  # less of their metres are ways there
+    return apart if petals and apart.spare_m > 0.7 * together.spare_m else together
 
 
 def nest_tours(

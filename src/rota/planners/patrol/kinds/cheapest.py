@@ -17,9 +17,6 @@ from rota.planners.patrol.kinds.parts import Outcome
 from rota.planners.patrol.kinds.team import Division, Team
 
 HOPEFUL = 1.1  # times what a fleet seems to be able to do that it is tried with
-MOST_FLEETS = 200_000  # that are compared
-LEAST = 0.5  # of its swath, that a robot is worth at least
-WAYS = 2  # divisions of the ground that are planned for one fleet
 IN_FULL = 0.3  # of the divisions tried, that may be planned by all that the effort allows
 
 Fleet = tuple[int, ...]  # robots of each kind
@@ -119,7 +116,7 @@ class _Cheapest:
     def _learn(self, outcomes: Sequence[Outcome]) -> None:
         """What a robot of each kind was worth in its part: one saw that much, of several half a robot was idle.
 
-        Far and urgent zones take robots that see little, so that no kind counts for less than ``LEAST`` of its swath.
+        Far and urgent zones take robots that see little, so that no kind counts for less than half of its swath.
         """
         for k, (outcome, group) in enumerate(zip(outcomes, self.team.groups, strict=True)):
             self._most[k] = max(self._most[k], outcome.robots)
@@ -127,7 +124,7 @@ class _Cheapest:
                 self.team.worth[k] = self.team.asked[k] / (outcome.robots - 0.5)
             elif outcome.robots == 1:
                 self.team.worth[k] = max(self.team.worth[k], self.team.asked[k])
-            self.team.worth[k] = max(self.team.worth[k], LEAST * group.swath_m2_s)
+            self.team.worth[k] = max(self.team.worth[k], 0.5 * group.swath_m2_s)
 
     def _hopeful(self, whole: float) -> Iterator[tuple[Fleet, int]]:
         """Fleets that may do what is asked, the cheapest first, of equal cost the strongest; none was tried so."""
@@ -138,7 +135,7 @@ class _Cheapest:
             min(10**9 if group.most is None else group.most, max(own, math.ceil(HOPEFUL * whole / worth) + 1))
             for group, worth, own in zip(team.groups, team.worth, self._most, strict=True)
         ]
-        while math.prod(n + 1 for n in most) > MOST_FLEETS:
+        while math.prod(n + 1 for n in most) > 200_000:  # fleets to compare
             most = [max(1, n // 2) for n in most]
         fleets = np.array(list(itertools.product(*(range(n + 1) for n in most))), dtype=np.int64)
         costs, sees = fleets @ self._costs, fleets * (team.worth * HOPEFUL)
@@ -149,6 +146,6 @@ class _Cheapest:
             good &= (sees[:, own].sum(axis=1) >= asked) & (fleets[:, own].sum(axis=1) > 0)
         fleets, costs, sees = fleets[good], costs[good], sees[good]
         for fleet in map(tuple, fleets[np.lexsort((-sees.sum(axis=1), costs))].tolist()):
-            for way in range(WAYS):
+            for way in range(2):  # divisions of the ground for one fleet
                 if (fleet, way) not in self._tried:
                     yield fleet, way

@@ -35,8 +35,6 @@ from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.tolerances import ROUNDING
 
-MOST_FLEETS = 50_000  # that are looked at
-
 
 @dataclass(frozen=True, kw_only=True)
 class CostBound:
@@ -60,7 +58,7 @@ def cost_bound(mission: Mission, groups: Sequence[Group], regions: Sequence[Dema
     proofs = _Proofs(mission, groups, regions)
     heap: list[tuple[float, tuple[int, ...]]] = [(0.0, (0,) * len(groups))]
     seen, cost = {heap[0][1]}, 0.0
-    for _ in range(MOST_FLEETS):
+    for _ in range(50_000):  # fleets that are looked at
         if not heap:
             raise NoPlanFound(
                 f"fleet.kinds: {', '.join(f'{group.most} {group.name}' for group in groups)} cannot do what is asked,"

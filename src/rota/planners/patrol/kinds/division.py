@@ -20,9 +20,6 @@ from rota.planners.patrol.tolerances import BISECTIONS, SLIVER_M2
 
 Floats = NDArray[np.float64]
 
-MOST_BY_ZONES = 4096  # ways to give whole regions to groups that are looked at
-OF_A_VISIT = 1e-6  # m2/s, so that zones to visit are shared evenly
-
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
@@ -39,7 +36,8 @@ class Part:
 
 def load_of(region: DemandedRegion) -> float:
     """Ground per second (m2/s) that a region asks for; what is only to be visited asks for next to none."""
-    return region.shape.area / region.period_s if region.demand == "every_point" else OF_A_VISIT
+    # so that visits are shared evenly
+    return region.shape.area / region.period_s if region.demand == "every_point" else 1e-6
 
 
 def by_zones(
@@ -51,7 +49,7 @@ def by_zones(
     that has robots would have nothing to do.
     """
     able = [[k for k, group in enumerate(groups) if group.serves(region) and counts[k] > 0] for region in regions]
-    if math.prod(len(each) for each in able) > MOST_BY_ZONES:
+    if math.prod(len(each) for each in able) > 4096:  # ways to give whole regions to groups
         return None
     apart_m = np.array([shapely.distance(region.shape, [other.shape for other in regions]) for region in regions])
     busy, best, least = int((counts > 0).sum()), None, (math.inf, math.inf)

@@ -21,7 +21,6 @@ from rota.planners.patrol.verdict import Judge, worst_reached
 Floats = NDArray[np.float64]
 
 TRIES: dict[Effort, int] = {"quick": 6, "normal": 16, "high": 60}  # divisions of the ground that are planned
-USUAL = 0.8  # of the ground on perfect lanes that robots see in a plan, before any part was planned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +49,8 @@ class Team:
     ) -> None:
         self.mission, self.should_stop = mission, should_stop
         self.groups, self.regions = groups_of(mission.fleet), demanded_regions(mission)
-        self.worth = np.array([USUAL * group.swath_m2_s for group in self.groups])
+        # of perfect lanes, before any part was planned
+        self.worth = np.array([0.8 * group.swath_m2_s for group in self.groups])
         self.asked = np.zeros(len(self.groups))
         self.effort = PatrolSettings.of(mission).effort
         self.tries = TRIES[self.effort]

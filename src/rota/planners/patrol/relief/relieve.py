@@ -31,9 +31,7 @@ from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
-BODIES_APART = 3.0  # radii between robots that relieve each other: at right angles their centres keep 2.1 apart
 MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at loops, and on circuits
-MOST_MORE = 3  # robots than a cycle takes at least, that are tried
 
 
 def endless(mission: Mission) -> Mission:
@@ -58,7 +56,7 @@ def without_batteries(mission: Mission) -> Mission:
 def clearance_of(mission: Mission) -> float:
     """By how many seconds robots pass one place after each other when one relieves the other; 0 without bodies."""
     robot = mission.fleet.equal_robot("robot-1")
-    return BODIES_APART * robot.body_radius_m / robot.ground_speed_m_s
+    return 3.0 * robot.body_radius_m / robot.ground_speed_m_s  # radii: at right angles their centres keep 2.1 apart
 
 
 def require_reach(mission: Mission) -> None:
@@ -191,7 +189,7 @@ class _Team:
             ]  # by slot
             tried = (
                 rotations_of(cycle, self._slots, own, cycle.robots + more, seed, varied=varied)
-                for more in range(MOST_MORE + 1)
+                for more in range(4)  # robots more than a cycle takes at least
             )
             found = next((each for each in tried if each is not None), None)
             if found is None:

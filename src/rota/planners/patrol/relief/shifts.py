@@ -23,9 +23,7 @@ from rota.planners.patrol.tolerances import SAME_ROUND
 
 Floats = NDArray[np.float64]
 
-MOST_ROUNDS_MORE = 8  # than a job has at least, that are looked at
 MOST_JOBS = 12  # of a slot, or periods of a circuit, in a turn
-MOST_TURNS = 4_000  # lengths of turns that are compared
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -147,15 +145,15 @@ def _shift(slot: int, way: _Way, k: int, usable_s: float, uses: float) -> Shift:
 
 def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], battery: BatteryLimits) -> Floats:
     """Lengths of turns (n,): whole rounds of some slot that is driven as fast or as slowly as it may be."""
-    usable_s = battery.usable_s
+    usable_s, most = battery.usable_s, 4_000
     most_s = max(usable_s, *(slot.most_s for slot in slots))
     ways_s = [2 * float(own.ways_s.min()) for own in handovers]
     found = [(usable_s - way_s) / slot.uses(battery) for slot, way_s in zip(slots, ways_s, strict=True)]
     for slot in slots:
         for round_s in {slot.least_s, slot.most_s} if not slot.line.stays else {slot.most_s}:
-            found += (round_s * np.arange(1, min(most_s / round_s, MOST_TURNS) + SAME_ROUND)).tolist()
+            found += (round_s * np.arange(1, min(most_s / round_s, most) + SAME_ROUND)).tolist()
     turns_s: Floats = np.unique([turn_s for turn_s in found if 0 < turn_s <= most_s])
-    chosen: Floats = turns_s[np.linspace(0, len(turns_s) - 1, min(len(turns_s), MOST_TURNS)).astype(int)]
+    chosen: Floats = turns_s[np.linspace(0, len(turns_s) - 1, min(len(turns_s), most)).astype(int)]
     return chosen
 
 
@@ -188,7 +186,7 @@ def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: floa
     for jobs in range(1, MOST_JOBS + 1):
         each_s = turns_s / jobs
         fewest = np.maximum(1, np.ceil(each_s / most_s * (1 - SAME_ROUND)))
-        for more in range(MOST_ROUNDS_MORE):
+        for more in range(8):  # rounds more than a job has at least
             rounds = fewest + more
             # rounds are as much shorter as the pause between two robots makes the last one longer
             with np.errstate(divide="ignore", invalid="ignore"):

@@ -19,7 +19,6 @@ from rota.planners.patrol.verdict import Judge
 Floats = NDArray[np.float64]
 
 MOMENT = 1e-3  # of the period, that a robot is at least where another one would stay for ever
-ONCE = 1.01  # times a period: a round that may be no longer takes that period
 SPOTS = 120  # of a loop, beside its corners, at which robots may change; many numbers divide it
 
 
@@ -87,7 +86,8 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
         most_s = float(lasts_s / max(worst_ratio, SAME_ROUND))
         periods_s = asked_periods_s(plan.mission)
         # who comes into a zone is in it a moment longer than at a place
-        most_s = next((period_s for period_s in periods_s if period_s <= most_s <= period_s * ONCE), most_s)
+        # a round that is hardly longer than a period takes that period
+        most_s = next((period_s for period_s in periods_s if period_s <= most_s <= period_s * 1.01), most_s)
         passes = max(1.0, most_s / periods_s[0])
         line = start_at(line, -one.loop_start_s)
         slots.append(Slot(line=line, least_s=line.duration_s, most_s=most_s, keeps_step=alike > 1, passes=passes))

@@ -17,7 +17,6 @@ from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
 
 Anchors = dict[int, tuple[float, int]]  # when and at which handover the first job of a slot is taken over
-MOST_ORDERS = 300  # of the jobs of a cycle
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,8 +86,9 @@ class _Dispatch:
         """The first rotation that fits: jobs as soon as they can be, then with more and more left to chance."""
         chance = np.random.default_rng(seed)
         self._spots = {shift.slot: self._spot(shift, chance if varied else None) for shift, _ in self._jobs}
-        for turn in range(MOST_ORDERS):
-            jobs = self._timed_jobs(chance, (turn + varied) / MOST_ORDERS)
+        orders = 300
+        for turn in range(orders):
+            jobs = self._timed_jobs(chance, (turn + varied) / orders)
             if jobs is not None:
                 return Rotation(cycle=self._cycle, robots=self._robots, jobs=tuple(jobs))
         return None

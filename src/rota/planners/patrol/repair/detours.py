@@ -21,7 +21,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LONG_LEG = 4.0  # reaches: a leg so long is left and come back to where a detour is nearest
-FIRST_DETOURS = 2  # legs for which ways round obstacles are measured at once, at first; then twice as many each time
 
 
 def visit_places(
@@ -139,7 +138,7 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
     straight_m = straight_detours(vertices_m, place_m)
     order = np.argsort(straight_m, kind="stable")
     best = (math.inf, 0)
-    first, count = 0, FIRST_DETOURS
+    first, count = 0, 2  # ways round obstacles are measured for two legs at first, then for twice as many each time
     while first < len(order):
         some = order[first : first + count]
         first, count = first + count, 2 * count

@@ -24,10 +24,8 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
 HALVINGS = 6  # of that way, where something stands in it
-DEPTHS = 16  # places along the line of sight that are tried, up to the reach
 
 
 def ways_to_hidden(problem: Problem, tours: Sequence[Tour], hidden: SamplePoints) -> list[tuple[Floats, int]]:
@@ -91,7 +89,8 @@ def way_across(problem: Problem, point_m: Floats, place_m: Floats) -> Floats:
     along = (place_m - point_m) / away_m
     across = ACROSS * problem.reach_m * np.array([-along[1], along[0]])
     furthest_m = max(0.0, (1 - 2 * ACROSS) * problem.reach_m - away_m)
-    middles = place_m + np.linspace(0.0, furthest_m, DEPTHS)[:, None] * along
+    # 16 places along the line of sight, up to the reach
+    middles = place_m + np.linspace(0.0, furthest_m, 16)[:, None] * along
     shares = 0.5 ** np.arange(HALVINGS + 1)
     ends = middles[:, None, None] + np.array([-1.0, 1.0])[:, None, None] * (shares[:, None] * across)
     free = reached_straight(problem, np.broadcast_to(middles[:, None, None], ends.shape), ends)
@@ -157,7 +156,7 @@ def border_place(problem: Problem, point_m: Floats, off: BaseGeometry | None = N
     _, square = sensor_arguments(problem.robot, 0.0)
     places = places_in_view(problem, point_m)
     places = places if off is None else shapely.difference(places, off)
-    for hair_m in HAIRS_M:
+    for hair_m in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0):  # off the edge of a view, as far as it is wide enough
         inside = segments_of(places.buffer(-hair_m)) if hair_m > 0 else ends_of(places, problem.space)
         if len(inside):
             place_m, range_m = nearest_on_segments(point_m[None], inside, square)

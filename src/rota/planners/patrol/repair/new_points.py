@@ -22,8 +22,6 @@ from rota.planners.patrol.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-GRID, RAGGED_GRID = 0.04, 0.002  # of the reach: of unmet places in cells as wide one is asked for in the first round
-
 
 def new_points(
     context: Context, tours: Sequence[Tour], verdict: Verdict, turn: int, *, shorter_m: float
@@ -42,7 +40,7 @@ def new_points(
             unmet_m = np.vstack([unmet_m, verdict.unmet_points_m])
             unmet_demand = np.concatenate([unmet_demand, verdict.unmet_demand])
     # on ragged ground what lies side by side is seen through slits of its own, and a round of checking takes long
-    grid_m = (RAGGED_GRID if problem.is_ragged else GRID) * problem.reach_m * 0.6 ** (turn - 1)
+    grid_m = (0.002 if problem.is_ragged else 0.04) * problem.reach_m * 0.6 ** (turn - 1)
     samples = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = unmet_m[unmet_demand == k]

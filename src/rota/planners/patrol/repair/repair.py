@@ -41,9 +41,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-MOST_STUCK = 4  # rounds in which as many places are unmet as before, or tours are led another way as bodies touch
-
-
 @dataclass(frozen=True, kw_only=True)
 class Repaired:
     """Tours, their plan and its verdict; ``extra``: all points that the judge found unmet on the way.
@@ -122,7 +119,7 @@ def repair_until_feasible(
     Returns the last state that was judged.
     """
     settings, bends = context.settings.repair, annealed and can_bend(context.problem)
-    stuck, reroutes, unmet = 0, 0, list[int]()
+    stuck, reroutes, most_stuck, unmet = 0, 0, 4, list[int]()
     if may_add and context.problem.is_ragged:
         problem, tours = clear_of_who_stays(context.problem, tours)
         context = replace(context, problem=problem)
@@ -148,7 +145,7 @@ def repair_until_feasible(
             context = replace(context, problem=with_room_to_see(context.problem, places_hidden(context.problem, new)))
         unmet.append(len(repaired.verdict.unmet_points_m))
         stuck = stuck + 1 if unmet[-1:] == unmet[-2:-1] else 0
-        if repaired.sees_all or turn == rounds or stuck == MOST_STUCK or context.should_stop():
+        if repaired.sees_all or turn == rounds or stuck == most_stuck or context.should_stop():
             break
         if (not may_add and excess > 0 and not goes_on_over_budget) or (bends and hardly_falls(context.problem, unmet)):
             break
@@ -158,7 +155,7 @@ def repair_until_feasible(
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
             continue
         # all is seen, but bodies touch
-        apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < MOST_STUCK else None
+        apart = lead_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < most_stuck else None
         if apart is None:
             break
         tours, reroutes, stuck, missed = apart, reroutes + 1, 0, None

@@ -13,9 +13,6 @@ from rota.planners.patrol.repair.detours import led_past
 from rota.planners.patrol.repair.last_places import nearby_place, places_in_view, way_across
 from rota.planners.patrol.tours.tour import Tour
 
-BESIDE, CROWD = 0.005, 0.05  # of the reach: as near is the same place, and as near are those that one visit may do for
-MOST_OF_CROWD = 12  # points of one crowd that are looked at
-
 
 def ask_again(problem: Problem, extra: SamplePoints, new: SamplePoints) -> SamplePoints:
     """Of each crowd of new points beside one that was asked for, the one that is seen from the least ground.
@@ -25,13 +22,15 @@ def ask_again(problem: Problem, extra: SamplePoints, new: SamplePoints) -> Sampl
     """
     if not problem.is_ragged or not len(extra):
         return no_points()
-    near_m, _ = cKDTree(extra.xy_m).query(new.xy_m, distance_upper_bound=BESIDE * problem.reach_m)
+    # what is so near is the same place
+    near_m, _ = cKDTree(extra.xy_m).query(new.xy_m, distance_upper_bound=0.005 * problem.reach_m)
     beside = np.flatnonzero(np.isfinite(near_m))
-    crowd = np.unique(np.floor(new.xy_m[beside] / (CROWD * problem.reach_m)), axis=0, return_inverse=True)[1].ravel()
+    # one visit may do for those that are so near
+    crowd = np.unique(np.floor(new.xy_m[beside] / (0.05 * problem.reach_m)), axis=0, return_inverse=True)[1].ravel()
     hardest = []
     for k in range(crowd.max(initial=-1) + 1):
         members = beside[crowd == k]
-        members = members[:: 1 + len(members) // MOST_OF_CROWD]
+        members = members[:: 1 + len(members) // 12]  # some dozen of them are looked at
         seen_m2 = [places_in_view(problem, new.xy_m[i]).area for i in members]
         hardest += [members[i] for i in np.argsort(seen_m2) if seen_m2[i] > 0][:1]
     return new[np.array(hardest, dtype=np.int64)]

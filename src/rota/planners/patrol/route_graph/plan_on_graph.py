@@ -31,9 +31,6 @@ from rota.planners.patrol.verdict import Judge, Verdict, unmet_reason
 
 Floats = NDArray[np.float64]
 
-WITH_ROOM = (1.0, 0.9, 0.8, 0.65, 0.5)  # of the periods: what rounds may take, so that robots can wait for each other
-HALVINGS = 10  # of the range in which the shortest periods lie that a fixed team keeps
-
 
 @dataclass(frozen=True, kw_only=True)
 class GraphSearch:
@@ -103,8 +100,10 @@ def plan_on_lanes(
         body_m=robot.body_radius_m, seed=seed, should_stop=should_stop,
     )  # fmt: skip
     failed: list[tuple[Plan, Verdict]] = []
-    for k, stretch in enumerate(WITH_ROOM if robot.body_radius_m > 0 else WITH_ROOM[:1]):
-        progress((k + 0.1) / len(WITH_ROOM), "sharing the places among robots")
+    # of the periods, so that robots can wait for each other
+    stretches = (1.0, 0.9, 0.8, 0.65, 0.5) if robot.body_radius_m > 0 else (1.0,)
+    for k, stretch in enumerate(stretches):
+        progress((k + 0.1) / len(stretches), "sharing the places among robots")
         plan = search.plan(search.shares_with_room(stretch))
         if (verdict := judge(plan)).verdict == "met":
             return plan
@@ -126,7 +125,7 @@ def shares_of_team(search: Callable[[float], list[Share]], robots: int, should_s
         low, high = high, 2 * high
         if high > 1e6:
             raise NoPlanFound(f"{robots} robots cannot come to all places: lanes lead to some of them, and not back")
-    for _ in range(HALVINGS):
+    for _ in range(10):  # halvings of the range in which the shortest periods lie
         if should_stop():
             break
         middle = math.sqrt(low * high)

@@ -11,8 +11,6 @@ from rota.compiled.kernel import kernel
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.tolerances import SLOWER
 
-LONGEST_MOVED = 8  # places that one move takes elsewhere
-
 
 @kernel
 def split_at_best(order: Any, leg: Any, period: Any, per_load: float, least: Any, cut: Any) -> float:
@@ -48,7 +46,7 @@ def split_at_best(order: Any, leg: Any, period: Any, per_load: float, least: Any
 def move_some(order: Any, moved: Any, random: Any) -> None:
     """Write the order (m,) into moved (m,) with some places that follow each other turned round, or put elsewhere."""
     m = order.shape[0]
-    length = 1 + int(uniform(random) * min(LONGEST_MOVED, m - 1))
+    length = 1 + int(uniform(random) * min(8, m - 1))  # places that one move takes elsewhere at most
     begin = int(uniform(random) * (m - length + 1))
     turned = uniform(random) < 0.5
     to = begin if uniform(random) < 0.3 else int(uniform(random) * (m - length + 1))

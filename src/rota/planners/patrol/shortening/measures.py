@@ -9,8 +9,6 @@ from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.tours.tour import Tour, nests, tour_length_m, unfold_nests
 
-HOPELESS = 1.005  # times as long: later rounds of repair take half a percent back, hardly ever more
-
 
 def loops_m(tours: Sequence[Tour]) -> float:
     """Metres of one round of every loop as it is driven, turning counted as the metres that take the same time."""
@@ -32,7 +30,7 @@ def rounds_of(tours: Sequence[Tour]) -> list[int]:
 
 def is_too_long(tours: Sequence[Tour], old: Sequence[Tour]) -> bool:
     """Whether loops are so much longer than others that more rounds of repair will hardly make them shorter."""
-    return loops_m(tours) > HOPELESS * loops_m(old)
+    return loops_m(tours) > 1.005 * loops_m(old)  # later rounds of repair take half a percent back, hardly ever more
 
 
 def is_better(new: Repaired, old: Repaired, *, fewest_turns: bool) -> bool:

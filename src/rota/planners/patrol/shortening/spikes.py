@@ -20,11 +20,6 @@ from rota.planners.patrol.tours.tour import Tour, hubs_and_petals
 
 Floats = NDArray[np.float64]
 
-LONGEST = 3  # corners of a spike
-LEAST = 0.25  # share of the reach that leaving a spike out saves
-OUT_AND_BACK = 0.5  # share of its way that this is, or more
-NEXT_TO_NOTHING = 0.1  # of what a lane as long as that would see
-
 
 class Spike(NamedTuple):
     """A detour of a tour (k): its ``corners`` from vertex ``first`` on, and the metres that are saved without them."""
@@ -51,7 +46,9 @@ def spikes(problem: Problem, tours: Sequence[Tour]) -> list[Spike]:
             lost_m2 = 0.0
         else:
             lost_m2 = unseen_m2(problem, without(tours, [spike]), near) - unseen_m2(problem, tours, near)
-        if lost_m2 < NEXT_TO_NOTHING * spike.saved_m * problem.swath_m:
+        if (
+            lost_m2 < 0.1 * spike.saved_m * problem.swath_m
+        ):  # next to nothing: a lane as long would see ten times as much
             found.append(spike)
     return found
 
@@ -76,13 +73,13 @@ def detours(problem: Problem, tours: Sequence[Tour]) -> Iterator[Spike]:
         n = len(tour.vertices_m)
         if hub[k] != k or petals[k, 0] != petals[k, 1]:
             continue  # tours that meet others keep their corners
-        for corners in range(1, min(LONGEST, n - 3) + 1):
+        for corners in range(1, min(3, n - 3) + 1):  # a spike has three corners at most
             before = np.roll(tour.vertices_m, 1, axis=0)
             after = np.roll(tour.vertices_m, -corners, axis=0)
             legs_m = np.hypot(*(tour.vertices_m - before).T)
             way_m = sum((np.roll(legs_m, -i) for i in range(1, corners + 1)), legs_m)
             saved_m = way_m - np.hypot(*(after - before).T)
-            out = (saved_m >= LEAST * problem.reach_m) & (saved_m >= OUT_AND_BACK * way_m)
+            out = (saved_m >= 0.25 * problem.reach_m) & (saved_m >= 0.5 * way_m)  # half of its way is out and back
             out[out] = free_segments(before[out], after[out], problem.paths.grid)
             yield from (Spike(k, int(i), corners, float(saved_m[i])) for i in np.flatnonzero(out))
 

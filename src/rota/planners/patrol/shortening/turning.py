@@ -9,8 +9,6 @@ from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.tours.tour import Tour
 
-KEPT = 0.8  # share of the turning that is likely to stay, for which the longer period makes up
-
 
 def as_if_turning_cost(tours: Sequence[Tour], metres: float) -> list[Tour]:
     """The tours with robots that take as long to turn by one radian as to drive so many metres.
@@ -24,7 +22,8 @@ def as_if_turning_cost(tours: Sequence[Tour], metres: float) -> list[Tour]:
 def _turning(tour: Tour, metres: float) -> Tour:
     """One tour with a robot that takes time to turn."""
     speed_m_s = driving_of(tour.robot).pace_m_s
-    more_s = KEPT * metres * float(turns_rad(tour.vertices_m).sum()) / (speed_m_s * tour.robots)
+    # a fifth of the turning is likely to go away
+    more_s = 0.8 * metres * float(turns_rad(tour.vertices_m).sum()) / (speed_m_s * tour.robots)
     robot = replace(tour.robot, turn_rate_rad_s=speed_m_s / metres)
     return replace(tour, robot=robot, period_s=tour.period_s + more_s)
 

@@ -28,10 +28,6 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-HEADINGS = 24  # in which a curve may pass a vertex, beside those along the nearest wall
-
-STRAIGHTENINGS = 4  # of an approach's beginning, which may have any heading
-
 
 def _never() -> bool:
     return False
@@ -87,7 +83,7 @@ def approach_curve(
     if heading_rad is not None:
         curve.begin_towards(heading_rad)
         return curve.corners_m()
-    for _ in range(STRAIGHTENINGS):
+    for _ in range(4):  # an approach may begin with any heading
         curve.begin_straight()
     return curve.corners_m()
 
@@ -232,7 +228,7 @@ def _headings(points_m: Floats, directions: Floats, grid: EdgeGrid) -> Floats:
     Right beside a wall no other heading leaves room for an arc.
     """
     first = np.arctan2(directions[:, 1], directions[:, 0])
-    evenly = first[:, None] + np.arange(HEADINGS) * (2 * math.pi / HEADINGS)
+    evenly = first[:, None] + np.arange(24) * (2 * math.pi / 24)
     if not len(grid.edges):
         return np.asarray(evenly)
     walls = shapely.linestrings(grid.edges.reshape(-1, 2, 2))

@@ -11,9 +11,6 @@ from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neigh
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEIGHBOURS = 12
-ROUNDING = 4 * np.finfo(np.float64).eps  # of the largest distance: by how much sums of four may be off
-
 
 def short_order(distance_m: Floats) -> Ints:
     """Order (n,) of a short closed tour over n places, given their distances (n, n) in metres, symmetric and finite.
@@ -27,8 +24,9 @@ def short_order(distance_m: Floats) -> Ints:
         raise ValueError("every place must be reachable from every other: the distances hold inf or nan")
     distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
     order: Ints = nearest_neighbour_tour(distance_m)
-    near = nearest_places(distance_m, NEIGHBOURS)
-    least_m = max(SAME_PLACE_M, ROUNDING * float(np.abs(distance_m).max()))
+    near = nearest_places(distance_m, 12)
+    # sums of four may be off by so much
+    least_m = max(SAME_PLACE_M, 4 * np.finfo(np.float64).eps * float(np.abs(distance_m).max()))
     while improve_once(distance_m, near, least_m, order):
         pass
     return order

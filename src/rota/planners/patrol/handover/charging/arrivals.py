@@ -20,7 +20,6 @@ from rota.routes.charging_legs import charging_legs
 Floats = NDArray[np.float64]
 
 POINTS = 240  # of a round at which robots may come into it, beside its corners
-FINER = 12  # moments between two of them that are tried
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -151,9 +150,9 @@ class Arrivals:
             return arrival
         step_s = self._lasts_s / POINTS
         for _ in range(2):
-            moments_s = np.linspace(max(0.0, arrival.joins_s - step_s), arrival.joins_s, FINER)
+            moments_s = np.linspace(max(0.0, arrival.joins_s - step_s), arrival.joins_s, 12)
             found = self._first(k, now_s, moments_s, None)
-            arrival, step_s = found if found.joins_s <= arrival.joins_s else arrival, step_s / (FINER - 1)
+            arrival, step_s = found if found.joins_s <= arrival.joins_s else arrival, step_s / 11
         return arrival
 
     def _first(self, k: int, now_s: float, moments_s: Floats, travel_s: Floats | None) -> Arrival:

@@ -30,9 +30,6 @@ from rota.planning.planner import Handover
 
 Floats = NDArray[np.float64]
 
-STEPS = 200  # of a hundredth, by which turns are longer than they would be if no robot waited
-LATER = 1e-3  # what a second counts as until a robot is in its round while nobody is missed
-
 
 def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:
     """Plans for robots that charge; see ``Planner.takeovers``."""
@@ -115,7 +112,7 @@ class _Takeover:
         if robots == 0:
             return []
         shortest_s = max(timetable.busy_s / robots, timetable.turn_s)
-        for step in range(STEPS):
+        for step in range(200):  # by so many hundredths turns are longer than if no robot waited
             longer = timetable.with_turn(shortest_s * (1 + step / 100))
             found = self._rounds_of(longer)
             if sum(round_.robots for round_ in found) <= robots:
@@ -179,7 +176,8 @@ class _Takeover:
             for number in range(own.round.robots)
         ]
         every = [[own.arrival(k, now_s) for own, now_s in roles] for k in range(len(self._flyers))]
-        costs = [[min(one.unserved_s + LATER * min(one.joins_s, FAR), FAR) for one in row] for row in every]
+        # how soon a robot is in its round counts only where nobody is missed
+        costs = [[min(one.unserved_s + 1e-3 * min(one.joins_s, FAR), FAR) for one in row] for row in every]
         who, which = linear_sum_assignment(np.array(costs))
         if any(costs[k][role] >= FAR for k, role in zip(who, which, strict=True)):
             return None, 0.0

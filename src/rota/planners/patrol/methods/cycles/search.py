@@ -26,7 +26,6 @@ STATES: dict[Effort, int] = {"quick": 20_000, "normal": 100_000, "high": 400_000
 STATES_IN_STEP = 50  # times as many, of several robots together
 ROUNDS: dict[Effort, int] = {"quick": 20, "normal": 60, "high": 200}  # in which large teams are made anew in parts
 MOST_TARGETS = 100
-AT_CORNERS = (0.0, 0.5, 1.0)  # of what turning round at both ends of each leg takes: what corners are taken to cost
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +73,7 @@ def teams_for_places(context: Context, targets: Targets) -> list[Team]:
     """The same for the places as they are."""
     straight_s, turning_s = leg_times(context.problem, targets)
     teams = list[Team]()
-    for share in AT_CORNERS[::-1]:
+    for share in (1.0, 0.5, 0.0):  # of what turning round at both ends of each leg takes
         if context.should_stop():
             break
         legs_s = straight_s + share * (turning_s - straight_s)

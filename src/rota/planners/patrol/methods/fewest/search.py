@@ -18,9 +18,6 @@ from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.verdict import never_seen
 
-SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
-NEAR = 2  # more robots than likely: from there, a team of one robot less is as good a first try as the likely one
-
 
 def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
     """The plan with the fewest robots found (met unless all repair failed).
@@ -76,9 +73,11 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
     turns_on_spot = context.problem.robot.turn_radius_m == 0  # annealing and repairing curves again takes long
-    if best is not None and best.robots <= SPARED * likely and turns_on_spot:
+    # lanes that take more robots do not suit the mission, and would give up too many
+    if best is not None and best.robots <= 2.0 * likely and turns_on_spot:
         best = without_spare_robots(context, best, likely)
-    if best is None or not best.met or best.robots > likely + NEAR:
+    # from two robots more, a team of one robot less is as good a first try as the likely one
+    if best is None or not best.met or best.robots > likely + 2:
         best = search_upwards(context, groupings, likely, best)
         if best.robots > likely:
             return best  # smaller teams were tried on the way up

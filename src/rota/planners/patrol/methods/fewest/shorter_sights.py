@@ -19,8 +19,6 @@ from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import ideal_reaches
 
-FEW_REACHES = 4.0  # of ideal loop: longer ones are laid out finely enough, and searches take longer
-
 
 def with_shorter_sights(context: Context, best: Repaired) -> Repaired:
     """The plan with the fewest robots of those found with shorter reaches, if it is better; else the plan given.
@@ -31,7 +29,7 @@ def with_shorter_sights(context: Context, best: Repaired) -> Repaired:
     if asked_reaches == 0:
         return best
     while (not best.met or best.robots > context.enough_robots) and not context.should_stop():
-        if asked_reaches / share**2 > FEW_REACHES:
+        if asked_reaches / share**2 > 4.0:  # longer loops are laid out finely enough, and searches take longer
             break
         try:
             problem = set_up_problem(mission_with_reach(context.problem.mission, share))

@@ -11,9 +11,6 @@ from rota.planners.patrol.methods.cycles.search import Team as Visiting, first_m
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.whole_team import with_whole_team
 
-LEAST = 0.25  # of the periods: rounds for shorter ones are not looked for
-BISECTIONS = 6
-
 
 def plan_for_targets(context: Context, anyone: Context, team: Team, *, plain: bool) -> Plan | None:
     """The plan for all robots of the team with which the periods are kept with most to spare; None where none passes.
@@ -36,8 +33,8 @@ def plan_for_targets(context: Context, anyone: Context, team: Team, *, plain: bo
 
 def with_least_stretch(anyone: Context, teams: list[Visiting], robots: int) -> list[Visiting]:
     """Teams of at most so many robots for periods shortened as far as some are found; those given at worst."""
-    least, most = LEAST, 1.0
-    for _ in range(BISECTIONS):
+    least, most = 0.25, 1.0  # of the periods: rounds for shorter ones are not looked for
+    for _ in range(6):
         middle = (least + most) / 2
         shorter = replace(anyone, problem=stretch_periods(anyone.problem, middle))
         found = [visiting for visiting in teams_for_all(shorter) if visiting.robots <= robots]

@@ -21,11 +21,6 @@ from rota.planners.patrol.methods.large.search import is_large
 from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.shortening.search import LARGEST, has_nests, reaches, with_better_loops
 
-AMPLE = 20.0  # times what ideal lanes and a way across take: a period that no loop of one robot exceeds
-PATIENCE = 2  # times the moves with which loops of several robots are shortened
-MOST_TRIES = 4
-TRIED_REACHES = 100.0  # of ideal loop: shorter ones are shortened as often as makes this many
-
 
 def is_one_loop(context: Context, team: Team) -> bool:
     """Whether the shortest loop is what is looked for: of one robot, at one period, where loops can be shortened."""
@@ -44,16 +39,19 @@ def shortest_loop(context: Context, team: Team) -> Reached | None:
     problem = context.problem
     ample = ample_s(problem.regions, problem.mission, problem.reach_m, problem.pace_m_s)
     stretch = max(1.0, ample / problem.regions[0].period_s)
-    settings = replace(context.settings, shortening=with_more_care(context.settings.shortening, PATIENCE))
+    # twice the moves with which loops of several robots are shortened
+    settings = replace(context.settings, shortening=with_more_care(context.settings.shortening, 2))
     own = replace(context, problem=stretch_periods(problem, stretch), settings=settings, progress=silent)
     best = team.method(own)
     if not best.met or best.robots > 1:
         return None
-    tries = 1 if has_nests(best.tours) else int(TRIED_REACHES / reaches(problem))
-    for turn in range(min(max(1, tries), MOST_TRIES)):
+    # short loops are shortened so often that these are 100 reaches
+    most = 4
+    tries = 1 if has_nests(best.tours) else int(100.0 / reaches(problem))
+    for turn in range(min(max(1, tries), most)):
         if context.should_stop():
             break
-        context.progress(0.3 + 0.7 * turn / MOST_TRIES, "looking for a shorter loop")
+        context.progress(0.3 + 0.7 * turn / most, "looking for a shorter loop")
         best = with_better_loops(replace(own, seed=context.seed + 100 * turn), best)
     return reach_of(best, stretch)
 
@@ -62,7 +60,8 @@ def ample_s(regions: Iterable[DemandedRegion], mission: Mission, reach_m: float,
     """A period that is ample for one robot to see all of some ground in."""
     x0, y0, x1, y1 = mission.area.bounds
     lanes_m = sum(region.shape.area for region in regions) / reach_m
-    return min(AMPLE * float(lanes_m + x1 - x0 + y1 - y0) / pace_m_s, LONGEST_S)
+    # no loop of one robot takes 20 times as long as ideal lanes and a way across
+    return min(20.0 * float(lanes_m + x1 - x0 + y1 - y0) / pace_m_s, LONGEST_S)
 
 
 def with_more_care(settings: ShorteningSettings, times: int) -> ShorteningSettings:

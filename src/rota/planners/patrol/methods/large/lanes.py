@@ -33,14 +33,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SHARING = 12  # robots of one district or joined tour: what there is to check grows with their square
-MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders of lanes, take their square
-SHORTEST = 20.0  # reaches that a robot can drive in a period: with less, it hardly moves or is all turns
-MOST_TRIES = 8  # numbers of robots
-EVEN_ENOUGH = 1.05  # multiples of the robots that all lengths together take up to which districts are not evened out
-ROWS_WORTH = 1.25  # multiples of the robots that perfect lanes take up to which rows are tried before boxes
-ROWS_ENOUGH = 1.1  # up to which boxes are not tried after them: they seldom come below
-LAYING = 3  # times that rows are laid, for lengths that loops came to
-HEADROOM = 2e-3  # share of the budgets that rows laid anew leave besides
 AROUND = 4.0  # reaches beyond a district's bounds in which its robots may go
 
 
@@ -54,10 +46,12 @@ def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: in
     budget_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     least = ground.shape.area / (problem.swath_m * budget_m)
     rows = promising_rows(problem, ground, budget_m)
-    if most is not None and most < rows.robots <= ROWS_ENOUGH * least:
+    enough = 1.1 * least  # boxes seldom come below
+    if most is not None and most < rows.robots <= enough:
         return None
-    tours = in_rows(problem, ground, rows, reserve, most) if rows.robots <= ROWS_WORTH * least else None
-    if tours is not None and burden(tours)[0] <= ROWS_ENOUGH * least:
+    # boxes take fewer robots where rows take a quarter more than perfect lanes
+    tours = in_rows(problem, ground, rows, reserve, most) if rows.robots <= 1.25 * least else None
+    if tours is not None and burden(tours)[0] <= enough:
         return tours
     boxes = in_boxes(problem, ground, reserve, most if tours is None else burden(tours)[0] - 1)
     return boxes or tours or in_rows(problem, ground, rows, reserve, most)
@@ -97,7 +91,7 @@ def in_rows(problem: Problem, ground: SweepGround, rows: Rows, reserve: float, m
     Where real loops are longer than their columns promised, rows are laid anew for that length.
     """
     best: list[Tour] | None = None
-    for _ in range(LAYING):
+    for _ in range(3):  # rows are laid anew for the lengths that loops came to
         if most is not None and rows.robots > most:
             break
         tours = tours_over_columns(problem, ground, rows, reserve)
@@ -109,7 +103,7 @@ def in_rows(problem: Problem, ground: SweepGround, rows: Rows, reserve: float, m
         if robots <= rows.robots:
             break
         longer = sum(tour_length_m(tour) for tour in tours) / rows.robots / rows.budget_m
-        rows = promising_rows(problem, ground, rows.budget_m / max(1.0, longer) * (1 - HEADROOM))
+        rows = promising_rows(problem, ground, rows.budget_m / max(1.0, longer) * (1 - 2e-3))
     return best
 
 
@@ -165,9 +159,9 @@ def in_boxes(problem: Problem, ground: SweepGround, reserve: float, most: int | 
     """
     one_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     robots = max(1, math.ceil(LEAST_LANES * ground.shape.area / (problem.swath_m * one_m)))
-    if one_m < SHORTEST * problem.reach_m:
+    if one_m < 20.0 * problem.reach_m:  # with so little to drive a robot hardly moves, or is all turns
         return None
-    for _ in range(MOST_TRIES):
+    for _ in range(8):  # numbers of robots
         if most is not None and robots > most:
             return None
         tours = over_districts(problem, ground, robots, reserve)
@@ -177,7 +171,8 @@ def in_boxes(problem: Problem, ground: SweepGround, reserve: float, most: int | 
         whole = [replace(tour, robots=robots_for(tour, reserve)) for tour in tours]
         robots = max(robots + 1, math.ceil(needed))
         shared = all(tour.robots <= MOST_SHARING for tour in whole) and not meets_itself(whole)
-        if shared and burden(whole)[0] <= lesser(most, max(robots, math.floor(EVEN_ENOUGH * needed))):
+        # so few more are not worth evening out districts
+        if shared and burden(whole)[0] <= lesser(most, max(robots, math.floor(1.05 * needed))):
             return whole
     return None
 
@@ -212,7 +207,8 @@ def divide(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[Multi
 def groups_for(problem: Problem, ground: SweepGround, robots: int) -> int:
     """How many districts there are for so many robots: as few as keep each one's robots and corners few."""
     sharing = math.ceil(robots / (1 if problem.robot.body_radius_m > 0 else MOST_SHARING))
-    winding = math.ceil(int(shapely.count_coordinates(ground.shape)) / MOST_CORNERS)
+    # ways round corners, and orders of lanes, take their square
+    winding = math.ceil(int(shapely.count_coordinates(ground.shape)) / 600)
     return max(sharing, min(winding, robots))
 
 

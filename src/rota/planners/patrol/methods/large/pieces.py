@@ -35,10 +35,6 @@ from rota.planners.patrol.tours.visiting_order import short_order
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAREST, EVERY = 16, 8  # vertices of a tour where a link may begin: the nearest, and as many of those that come next
-TRIED = 3  # of the nearest tours, to which a scrap may be joined
-SCRAP = 0.3  # of what a robot can travel in a period: a shorter tour is joined to another before all else
-
 
 def is_built_up(context: Context) -> bool:
     """Whether so much stands on the ground, that lanes over it are mostly ways round something.
@@ -180,7 +176,7 @@ def vertices_near(one: Tour, other: Tour) -> Ints:
     """
     away_m, _ = cKDTree(other.vertices_m).query(one.vertices_m)
     order = np.argsort(away_m, kind="stable")
-    return np.unique(np.concatenate([order[:NEAREST], order[: NEAREST * EVERY : EVERY]]))
+    return np.unique(np.concatenate([order[:16], order[:128:8]]))
 
 
 def merge(paths: ShortestPaths, tours: Sequence[Tour]) -> Tour:
@@ -210,13 +206,14 @@ def without_scraps(paths: ShortestPaths, tours: Sequence[Tour]) -> list[Tour]:
     while len(left) > 1:
         k = int(np.argmin([tour_length_m(tour) for tour in left]))
         scrap = left[k]
-        if tour_length_m(scrap) > SCRAP * replace(scrap, robots=1).budget_m:
+        # shorter tours are joined to others before all else
+        if tour_length_m(scrap) > 0.3 * replace(scrap, robots=1).budget_m:
             break
         away_m = [
             np.inf if m == k else float(cKDTree(other.vertices_m).query(scrap.vertices_m)[0].min())
             for m, other in enumerate(left)
         ]
-        nearest = np.argsort(away_m, kind="stable")[: min(TRIED, len(left) - 1)]
+        nearest = np.argsort(away_m, kind="stable")[: min(3, len(left) - 1)]  # tours that a scrap may be joined to
         links = [(link_between(paths, left[m], scrap), m) for m in nearest]
         link, m = min(links, key=lambda pair: pair[0].length_m)
         left[m] = with_other(paths, left[m], scrap, link)

@@ -26,8 +26,6 @@ Floats = NDArray[np.float64]
 
 MOST_LANES = 24  # side by side in one row
 MOST_SHARING = 16  # robots of one column: each drives all of it, and what there is to check grows with their square
-NARROWEST = 2.0  # widths of a lane that a column is wide at least
-ROOMY = 4.0  # body radii that half a lane is wide at least where robots share a loop
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +96,7 @@ def row_measures(problem: Problem, swath: Swath, budget_m: float) -> RowMeasures
     offsets = np.linspace(swath.half_m, 0.0, 501)
     fitting = offsets[swath.chords_m(offsets)[1] >= apart_m]
     half_m = float(fitting[0]) if len(fitting) else swath.half_m
-    shares = body_m == 0 or half_m >= ROOMY * body_m
+    shares = body_m == 0 or half_m >= 4.0 * body_m  # robots with bodies share loops where they can pass each other
     return RowMeasures(
         budget_m=budget_m,
         width_m=2 * half_m,
@@ -202,7 +200,8 @@ def columns_for(lanes_m: float, lanes: int, measures: RowMeasures) -> tuple[int,
     while True:
         row_m = lanes_m + columns * measures.ends_m(lanes)
         needed = math.ceil(math.ceil(row_m / measures.budget_m - 1e-9) / measures.sharing)
-        if needed <= columns or lanes_m < lanes * needed * NARROWEST * measures.width_m:
+        # a column is two lanes wide at least
+        if needed <= columns or lanes_m < lanes * needed * 2.0 * measures.width_m:
             return columns, max(row_m, 1e-9)
         columns = needed
 

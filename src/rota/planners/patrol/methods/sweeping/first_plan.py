@@ -15,18 +15,16 @@ from rota.planners.patrol.repair.repair import Repaired, missed_nooks, repair_un
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
-PATIENCE_S = 10.0  # of processor time, for a plan of lanes where the search was stopped and has none yet
-CROWDED = 0.25  # of the reach: robots that follow each other so closely see what few that stand could see
-
 
 def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
     """A plan of lanes, judged, for a search that has no plan yet; None if none passes.
 
     One route over the ground of each group of periods, shared by robots. Where repairs make it longer than these can
     drive in time, it gets another robot, which passes soon; then it is tried without. Few missions take more than a
-    second until the first plan passes. Where the search was stopped already, all may take ``PATIENCE_S``.
+    second until the first plan passes. Where the search was stopped already, all may take ten seconds
+    of processor time.
     """
-    end_s, stopped = time.process_time() + PATIENCE_S, context.should_stop()
+    end_s, stopped = time.process_time() + 10.0, context.should_stop()
     context.progress(0.0, "sweeping in lanes")
     hasty = replace(
         context, problem=judge_by_lanes(context.problem), settings=settings, progress=silent,
@@ -61,7 +59,7 @@ def with_robots_of(proposal: Proposal, context: Context, lanes: Repaired) -> Rep
 
 def is_crowded(tour: Tour) -> bool:
     """Whether robots follow each other so closely that fewer would see as much from where they stand."""
-    return tour.robots > 1 and apart_m(tour) < CROWDED * tour.robot.sensor.reach_m
+    return tour.robots > 1 and apart_m(tour) < 0.25 * tour.robot.sensor.reach_m  # few that stand could see as much
 
 
 def apart_m(tour: Tour) -> float:

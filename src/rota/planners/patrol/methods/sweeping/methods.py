@@ -36,7 +36,6 @@ Floats = NDArray[np.float64]
 Sweeping = Callable[[Problem, SweepGround, float, int | None], list[Tour] | None]  # see the methods of this module
 
 BALANCING = 6  # rounds in which strips, sub-areas and districts are made more alike
-MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 
 def sequential(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
@@ -205,7 +204,7 @@ def decomposition(problem: Problem, ground: SweepGround, reserve: float, most: i
     assert limit is not None
     budget_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     fewest = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
-    for robots in range(max(fewest, limit - MOST_FEWER), limit + 1):
+    for robots in range(max(fewest, limit - 6), limit + 1):  # up to six fewer than strips need
         tours = balanced_areas(problem, ground, robots)
         if all(fits(tour, 1 - reserve) for tour in tours):
             return tours

@@ -35,8 +35,6 @@ Ints = NDArray[np.int64]
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
 )
-DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
-ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +120,7 @@ def angles(problem: Problem, shape: BaseGeometry) -> list[float]:
     alike = np.rint(np.degrees(turn) * 4).astype(np.int64) % 720
     total_m = {int(which): float(length_m[alike == which].sum()) for which in np.unique(alike)}
     tried = [0.0] if isinstance(problem.robot.sensor, DiscSensor) else [0.0, math.pi / 4]
-    for which in sorted(total_m, key=lambda which: (-total_m[which], which))[:DIRECTIONS]:
+    for which in sorted(total_m, key=lambda which: (-total_m[which], which))[:6]:  # the longest edges
         tried.append(float(turn[alike == which][np.argmax(length_m[alike == which])]))
     both = [(angle + across) % math.pi for angle in tried for across in (0.0, math.pi / 2)]
     return list({round(angle, 6): angle for angle in both}.values())
@@ -221,7 +219,7 @@ def best_route(
     best: tuple[float, Tour] | None = None
     ways = [[]] if shape.is_empty else layouts(problem, shape, tried, own=own)
     for k, lanes in enumerate(ways):
-        if k == ROUTED:
+        if k == 3:  # the shortest on a guess are joined to routes and compared
             break
         tour = closed_route(problem, [*lanes, *(stop[None] for stop in ground.stops_m)], ground)
         if tour is None:

@@ -21,7 +21,6 @@ Flags = NDArray[np.bool_]
 
 
 BUDGET_PENALTY = 2.0  # of a metre over a budget
-FIRST_ROWS = 0.25  # of a step: ranges with less to spare are limits from the start
 
 
 class Rows(NamedTuple):
@@ -67,7 +66,8 @@ def best_step(
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
     )
-    taken = new = ranges.most_m < FIRST_ROWS * trust_m
+    near_m = 0.25 * trust_m
+    taken = new = ranges.most_m < near_m  # with less to spare they are limits from the start
     while True:
         program.add_soft_rows(
             csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=settings.range_weight
@@ -80,7 +80,7 @@ def best_step(
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > HAIR_M).any():
             return Step((moved @ variables).reshape(n, 2), cost + settings.length_weight * float(lengths_m.sum()))
-        new = ~taken & (beyond_m > -FIRST_ROWS * trust_m)
+        new = ~taken & (beyond_m > -near_m)
         taken = taken | new
 
 

@@ -18,11 +18,6 @@ from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED
 
 Floats = NDArray[np.float64]
 
-CUT_PLACES = 240  # along a loop
-MOST_BRANCHES = 2  # cuts of one loop whose pieces are cut further
-MOST_ROBOTS_MORE = 3  # than a loop has: with which it is cut
-LEAST_CUT_SPACING = 0.08  # of a loop: of cuts nearer to each other one is tried
-
 
 def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
     """Two loops instead of one with several robots, cut where it comes within ``near_m`` of itself; roomiest first.
@@ -32,7 +27,7 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
     if tour.robots < 2 or len(tour.vertices_m) < 2:
         return
     length_m = float(np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T).sum())
-    points = split_legs(tour.vertices_m, max(length_m / CUT_PLACES, 1e-9))
+    points = split_legs(tour.vertices_m, max(length_m / 240, 1e-9))  # places along a loop
     legs = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
     along = np.concatenate([[0.0], np.cumsum(legs)[:-1]])
     pairs = cKDTree(points).query_pairs(near_m, output_type="ndarray")
@@ -52,7 +47,8 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
         if len(taken) == FEW_TRIED or fullest[k, best[k]] > 1:
             return
         ends = (along[i[k]] / length_m, along[j[k]] / length_m)
-        if any(max(abs(ends[0] - a), abs(ends[1] - b)) < LEAST_CUT_SPACING for a, b in taken):
+        # of the loop: of cuts so near to each other one is tried
+        if any(max(abs(ends[0] - a), abs(ends[1] - b)) < 0.08 for a, b in taken):
             continue
         taken.append(ends)
         robots = int(shares[best[k]])
@@ -99,7 +95,7 @@ def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tou
     """As many loops as robots, each its own; None where cuts within the budgets do not lead that far."""
     if tour.robots == 1:
         return [tour]
-    for inner, outer in islice(cut_in_two(tour, near_m, paths), MOST_BRANCHES):
+    for inner, outer in islice(cut_in_two(tour, near_m, paths), 2):  # cuts whose pieces are cut further
         parts = [cut_to_the_last(part, near_m, paths) for part in (inner, outer)]
         if parts[0] is not None and parts[1] is not None:
             return [*parts[0], *parts[1]]
@@ -124,7 +120,7 @@ def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Ite
 
 def with_more_robots(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
     """The tours with one of them cut up, for one or more robots more than it has."""
-    for more in range(1, MOST_ROBOTS_MORE + 1):
+    for more in range(1, 4):  # robots more than the loop has
         for k, tour in enumerate(tours):
             parts = cut_to_the_last(replace(tour, robots=tour.robots + more), near_m, paths)
             if parts is not None:

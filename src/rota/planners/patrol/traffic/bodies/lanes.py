@@ -25,11 +25,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LANE_SPACING = 1.1  # of two bodies: between two lanes, with what timing on a grid of samples takes
-MOST_COSINE = -0.5  # between the directions of robots that come towards each other
-ON_THE_RIGHT = 0.5  # of a body: whoever is farther than this to the right of a route is passed on the other side
-MOST_STEPS = 3  # in which tours move apart
-BEND_SAMPLES = 12  # a line may bend back beside this many samples before and after a place
-SAMPLES_PER_BODY, MOST_POINTS = 4, 20_000  # of a line: per body radius, and over all tours
 STRAIGHTENING = 0.02  # of a body: points of a route that stand out less are left out
 
 
@@ -41,7 +36,7 @@ def in_lanes(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, p
     only itself.
     """
     led = list(tours)
-    for _ in range(MOST_STEPS):
+    for _ in range(3):  # steps in which tours move apart
         moved = move_apart(led, body_radius_m, space, paths)
         if moved is None:
             break
@@ -54,7 +49,8 @@ def move_apart(
 ) -> list[Tour] | None:
     """The tours after one step apart; None when nobody comes towards anybody too near."""
     wide_m = 2 * body_radius_m * LANE_SPACING
-    between_m = max(body_radius_m / SAMPLES_PER_BODY, sum(tour_length_m(tour) for tour in tours) / MOST_POINTS)
+    # four points of a line per body radius, and 20,000 over all tours
+    between_m = max(body_radius_m / 4, sum(tour_length_m(tour) for tour in tours) / 20_000)
     lines = [split_legs(tour.vertices_m, between_m) for tour in tours]
     line = np.repeat(np.arange(len(lines)), [len(points) for points in lines])
     places = np.vstack(lines)
@@ -63,11 +59,12 @@ def move_apart(
     who, whom = cKDTree(places).query_pairs(wide_m, output_type="ndarray").T
     who, whom = np.concatenate([who, whom]), np.concatenate([whom, who])
     shared = np.array([tour.robots > 1 for tour in tours])
-    meets = ((line[who] != line[whom]) | shared[line[who]]) & ((ahead[who] * ahead[whom]).sum(axis=1) < MOST_COSINE)
+    # towards each other: at 120 degrees or more
+    meets = ((line[who] != line[whom]) | shared[line[who]]) & ((ahead[who] * ahead[whom]).sum(axis=1) < -0.5)
     who, whom = who[meets], whom[meets]
     gap = places[whom] - places[who]
     left_m = ahead[who, 0] * gap[:, 1] - ahead[who, 1] * gap[:, 0]
-    right = left_m > -ON_THE_RIGHT * body_radius_m
+    right = left_m > -0.5 * body_radius_m  # whoever is farther to the right is passed on the other side
     step_m = np.where(right, wide_m - left_m, -(wide_m + left_m)) / 2
     # to the right as far as the nearest on the left asks; a place with nobody there goes to the left
     to_right, to_left = np.zeros(len(places)), np.zeros(len(places))
@@ -92,7 +89,7 @@ def beside(points_m: Floats, ahead: Floats, shift_m: Floats, body_radius_m: floa
     """
     shifted = points_m + shift_m[:, None] * np.column_stack([ahead[:, 1], -ahead[:, 0]])
     near_m = np.full(len(points_m), np.inf)
-    for step in range(-BEND_SAMPLES, BEND_SAMPLES + 1):
+    for step in range(-12, 13):  # a line may bend back beside so many samples before and after a place
         near_m = np.minimum(near_m, np.hypot(*(shifted - np.roll(points_m, step, axis=0)).T))
     kept = near_m > np.abs(shift_m) * (1 - STRAIGHTENING)
     return np.asarray(shifted[kept | (shift_m == 0)])

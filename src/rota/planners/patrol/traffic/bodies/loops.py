@@ -22,7 +22,6 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_DIVISIONS = 12  # the common unit of all headways is at least this part of the shortest
 FEW_TRIED = 4  # clocks, cuts of a loop, places to begin it, or robots that may step aside: the most promising
 
 
@@ -126,7 +125,7 @@ def clocks(loops: Sequence[Loop]) -> list[Clock]:
     by_headways: dict[tuple[float, ...], Clock] = {}
     for full_s in sorted({longest_s[k] for k in moving}):
         fewest = math.ceil(full_s / shortest_s - 1e-9)
-        for division in range(fewest, fewest * MOST_DIVISIONS + 1):
+        for division in range(fewest, fewest * 12 + 1):  # the common unit is at least a twelfth of the shortest headway
             unit_s = full_s / division
             multiples = [
                 1 if loop.stays else math.floor(s / unit_s + 1e-9) for loop, s in zip(loops, longest_s, strict=True)

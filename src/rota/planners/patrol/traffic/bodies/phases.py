@@ -18,10 +18,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-MOST_SAMPLES = 6_000  # moments of one round
-MOST_STEPS = 5_000  # of the search for phases
-MOST_OFFSETS = 48  # of one loop in one direction that are tried with each choice for the loops before
-
 
 class Choice(NamedTuple):
     """How a loop is driven: its offset in samples, and its direction, 1 as it is given or -1 reversed."""
@@ -65,7 +61,7 @@ def on_the_clock(
     durations_s = [loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True)]
     rounds = [stretch_line(loop.line, s) for loop, s in zip(loops, durations_s, strict=True)]
     speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
-    grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
+    grid = grid_of(loops, clock, speed_m_s, body_radius_m, most_samples=6_000)
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
     return rounds, [cKDTree(sample(round_, n)) for round_, n in zip(rounds, samples, strict=True)], grid
 
@@ -138,7 +134,7 @@ def choices_apart(meets: Meetings, one_way: Sequence[bool]) -> list[Choice] | No
     """
     taken: list[Choice] = []
     allowed: list[list[Choice]] = []
-    for _ in range(MOST_STEPS):
+    for _ in range(5_000):  # steps of the search
         k = len(taken)
         if k == len(one_way):
             return taken
@@ -169,9 +165,9 @@ def roomy_offsets(free: Flags) -> list[int]:
 
     In the middle of a long stretch a late robot has most room; at its ends it leaves most room to others.
     """
-    n = len(free)
+    n, most = len(free), 48
     if free.all():
-        return sorted({int(k * n / MOST_OFFSETS) for k in range(MOST_OFFSETS)}, reverse=True)
+        return sorted({int(k * n / most) for k in range(most)}, reverse=True)
     starts = np.flatnonzero(free & ~np.roll(free, 1))
     ends = np.flatnonzero(free & ~np.roll(free, -1))
     if not len(starts):
@@ -182,6 +178,6 @@ def roomy_offsets(free: Flags) -> list[int]:
     order = np.argsort(lengths, kind="stable")
     middles = (starts + lengths // 2)[order] % n
     every = np.flatnonzero(free)
-    some = every[np.unique(np.linspace(0, len(every) - 1, MOST_OFFSETS).astype(np.int64))]
+    some = every[np.unique(np.linspace(0, len(every) - 1, most).astype(np.int64))]
     offsets = [*some, *starts[order], *ends[order], *middles]
-    return [int(offset) for offset in reversed(dict.fromkeys(reversed(offsets)))][-2 * MOST_OFFSETS :]
+    return [int(offset) for offset in reversed(dict.fromkeys(reversed(offsets)))][-2 * most :]

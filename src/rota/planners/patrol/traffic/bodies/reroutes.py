@@ -13,9 +13,6 @@ from rota.planners.patrol.traffic.bodies.exchanges import exchanges, with_more_r
 from rota.planners.patrol.traffic.bodies.lanes import in_lanes, round_those_who_stay
 from rota.planners.patrol.traffic.bodies.timing import can_be_timed, crowds_that_touch
 
-MOST_TRIED = 12  # other routes for one crowd
-NEAR_BODIES = 4.0  # lines within this many body radii of each other can be cut and joined across
-
 
 def reroute(
     tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, may_add: bool = False
@@ -50,14 +47,15 @@ def crowd_led_apart(
         for anew in other_routes(tours, body_radius_m, space, paths, more=more)
         if (sum(tour.robots for tour in anew) > robots) == more and over_budget_share(anew) == 0
     )
-    return next((anew for anew in islice(fitting, MOST_TRIED) if can_be_timed(anew, body_radius_m)), None)
+    # twelve other routes for one crowd
+    return next((anew for anew in islice(fitting, 12) if can_be_timed(anew, body_radius_m)), None)
 
 
 def other_routes(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
 ) -> Iterator[list[Tour]]:
     """Other tours for as many robots, or also for more, those that change least first."""
-    near_m = NEAR_BODIES * body_radius_m
+    near_m = 4.0 * body_radius_m  # lines so near to each other can be cut and joined across
     around = round_those_who_stay(tours, body_radius_m, space)
     begun = [tours] if around is None else [around, tours]
     if around is not None:

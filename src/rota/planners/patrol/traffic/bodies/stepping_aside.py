@@ -20,7 +20,6 @@ from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
 Floats = NDArray[np.float64]
 
 WIDEST = 0.25  # of two bodies: a loop that fits in no circle of that radius is timed like any other
-PIECE = 0.05  # of two bodies: legs are told near or not in pieces no longer than this
 
 
 def waiting_place(loops: Sequence[Loop], k: int, apart_m: float) -> int | None:
@@ -70,7 +69,8 @@ def near_times(timed: Timed, line: shapely.Geometry, apart_m: float) -> Floats:
     """
     times_s, places_m = timed.line.times_s, timed.line.places_m
     begins, ends = places_m[:-1], places_m[1:]
-    pieces = np.maximum(1, np.ceil(np.hypot(*(ends - begins).T) / (PIECE * apart_m))).astype(np.int64)
+    # legs are told near or not in pieces no longer than this
+    pieces = np.maximum(1, np.ceil(np.hypot(*(ends - begins).T) / (0.05 * apart_m))).astype(np.int64)
     legs = shapely.linestrings(np.stack([begins, ends], axis=1))
     pieces[shapely.distance(legs, line) >= apart_m] = 0
     leg = np.repeat(np.arange(len(pieces)), pieces)

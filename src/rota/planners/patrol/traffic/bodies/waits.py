@@ -26,10 +26,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
-MOST_SAMPLES = 2_000  # moments of one round
-MOST_STARTS = 24  # moments at which a round is begun, for one direction and one first place
-MOST_SHARED_STARTS = 8  # the same for robots that share a loop
-
 
 class Placed(NamedTuple):
     """A loop that has its timetable: a tree of where its first robot is at every sample of its round."""
@@ -45,7 +41,7 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
     Loops with the least time to spare are timed first; one for which nothing is left goes before all others, and all
     are timed anew.
     """
-    grid = grid_of(loops, clock, max(loop.speed_m_s for loop in loops), body_radius_m, MOST_SAMPLES)
+    grid = grid_of(loops, clock, max(loop.speed_m_s for loop in loops), body_radius_m, most_samples=2_000)
     spare = [
         1.0 - loop.natural_s / (loop.robots * multiple * clock.unit_s) if not loop.stays else -1.0
         for loop, multiple in zip(loops, clock.multiples, strict=True)
@@ -190,7 +186,7 @@ def one_robot(blocked: Bytes, headway: int) -> tuple[int, Ints] | None:
     starts = np.arange(headway)
     spare = latest[-1, headway:].astype(np.int64) - starts
     hopeful = np.flatnonzero(spare >= 0)
-    hopeful = hopeful[np.argsort(-spare[hopeful], kind="stable")][:MOST_STARTS]
+    hopeful = hopeful[np.argsort(-spare[hopeful], kind="stable")][:24]  # moments at which a round begins
     for start in hopeful:
         place = through(np.roll(blocked, -int(start), axis=1), headway)
         if place is not None:
@@ -233,7 +229,7 @@ def several_robots(
     stretches = [np.arange(i * steps, (i + 1) * steps + 1) % len(places_m) for i in range(robots)]
     trees = [cKDTree(places_m[stretch]) for stretch in stretches]
     columns = np.arange(headway + 1)
-    moments = MOST_SHARED_STARTS if blocked.any() else 1
+    moments = 8 if blocked.any() else 1  # for robots that share a loop
     for start in np.unique(np.linspace(0, headway, moments, endpoint=False).astype(np.int64)):
         gone: list[Ints] = []
         for i, stretch in enumerate(stretches):

@@ -17,8 +17,6 @@ from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 
 Floats = NDArray[np.float64]
 
-SHORTEST_LEG_S = 1e-3  # for approaches too short to be timed by their length
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Approach:
@@ -78,7 +76,7 @@ def timed_approach(line_m: Floats, robot: Robot, onward_m: Floats | None = None)
     turns = np.zeros(len(line_m) - 1)
     turns[: len(after)] = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
     too_short = len(line_m) == 2 and np.hypot(*ahead[0]) / SLOWER < HAIR_M
-    least_s = SHORTEST_LEG_S if too_short else SLOW_LEG_M / robot.ground_speed_m_s
+    least_s = 1e-3 if too_short else SLOW_LEG_M / robot.ground_speed_m_s
     return Approach(line=timed_line(line_m, turns, robot, least_s=least_s))
 
 

@@ -15,8 +15,6 @@ from rota.planners.patrol.traffic.starts.approaches import Approach
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-MOST_DELAYS = 400  # that are tried for one robot
-
 
 def departures_s(approaches: Sequence[Approach], bodies_m: Sequence[float]) -> Floats | None:
     """When each robot leaves (k,), in seconds; None when robots block each other whatever the order.
@@ -45,7 +43,7 @@ def departures_s(approaches: Sequence[Approach], bodies_m: Sequence[float]) -> F
     for k in order:
         others = [j for j in meets[k] if j in gone]
         all_there_s = max((leaves[j] + approaches[j].duration_s for j in others), default=0.0)
-        for delay_s in np.linspace(0.0, all_there_s, MOST_DELAYS if all_there_s else 1):
+        for delay_s in np.linspace(0.0, all_there_s, 400 if all_there_s else 1):
             if all(keep_apart(k, j, delay_s, leaves[j]) for j in others):
                 leaves[k] = delay_s
                 break

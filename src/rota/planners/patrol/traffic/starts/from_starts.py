@@ -25,10 +25,6 @@ from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SHIFTS = 64  # moments of the common timetable at which the loops may begin
-MOST_TRIED = 6  # of them that are worked out and judged
-MOST_TIMED_APPROACHES = 2_500  # that are timed to know what their turns take
-
 
 @dataclass(frozen=True, kw_only=True)
 class Starts:
@@ -62,7 +58,7 @@ def lead_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
         for who, times in zip(assignments, times_s, strict=True)
     ]
     # the timetable as it was comes last: its phases are exact whatever else fails
-    order = [*np.argsort(latest_s, kind="stable")[: MOST_TRIED - 1], 0]
+    order = [*np.argsort(latest_s, kind="stable")[:5], 0]  # six are worked out and judged
     tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := assignments[s]) is not None]
     speeds_m_s = np.array([robot.ground_speed_m_s for robot in starts.robots])
     touching: Plan | None = None
@@ -246,7 +242,7 @@ class Entries:
 
 def entry_choices(rounds: Sequence[TimedLine], starts: Starts) -> Entries:
     """Moments of the common timetable, its beginning first: when loops pass nearest to starts, and others evenly."""
-    most = int(np.clip(MOST_CANDIDATES // len(rounds), 4, MOST_SHIFTS))
+    most = int(np.clip(MOST_CANDIDATES // len(rounds), 4, 64))  # moments at which the loops may begin
     longest_s = max(line.duration_s for line in rounds)
     placed = [place for place in starts.places_m if place is not None]
     shifts = [0.0]
@@ -324,7 +320,7 @@ def timed_approaches(
         return replace(approach, run_up=run_up)
 
     turning = not all(robot.turns_at_once for robot in starts.robots)
-    if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_APPROACHES:
+    if not anew or not turning or len(starts.robots) * len(begun) > 2_500:  # more take too long to be timed
         return [approach_of(int(k), i) for i, k in enumerate(who)], who
     every: dict[tuple[int, int], Approach] = {}
     times_s = np.full((len(starts.robots), len(begun)), np.inf)
