@@ -91,7 +91,7 @@ MECHANISMS = (
     Mechanism("tightening", (f"{REPAIR}.tighten",), second, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.lead_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), second, changed),
-    Mechanism("detours", (f"{PATROL}.repair.seeing.visit_places",), lambda *_: None, is_there),
+    Mechanism("detours", (f"{PATROL}.repair.seeing.visit_places",), lambda *_, **__: None, is_there),
     Mechanism("repair of tours over their budgets", stage="repair", values={"over_budget_limit": 0.0}),
     Mechanism("nested loops", (f"{ALLOCATION}.nested_allocations",), lambda *_, **__: [], always),
     Mechanism(
