@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -16,11 +17,11 @@ from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends, lanes_
 DISC = DiscSensor(radius_m=5)
 
 
-def lengths(lanes: list[np.ndarray]) -> list[float]:
+def lengths(lanes: Sequence[np.ndarray]) -> list[float]:
     return [float(np.hypot(*np.diff(lane, axis=0).T).sum()) for lane in lanes]
 
 
-def seen(lanes: list[np.ndarray], radius_m: float) -> shapely.Geometry:
+def seen(lanes: Sequence[np.ndarray], radius_m: float) -> shapely.Geometry:
     return shapely.union_all([(LineString(x) if len(x) > 1 else Point(x[0])).buffer(radius_m, 64) for x in lanes])
 
 
@@ -105,7 +106,7 @@ def test_an_obstacle_across_the_whole_strip_parts_the_lane() -> None:
 
 def test_ground_where_no_robot_can_be_has_no_lanes() -> None:
     far = MultiPolygon([box(100, 100, 110, 110)])
-    assert lanes_in(MultiPolygon([box(0, 0, 10, 10)]), far, Swath(sensor=DISC, angle_rad=0.0)) == []
+    assert lanes_in(MultiPolygon([box(0, 0, 10, 10)]), far, Swath(sensor=DISC, angle_rad=0.0)) == ()
 
 
 def test_a_block_in_a_square_makes_four_cells() -> None:

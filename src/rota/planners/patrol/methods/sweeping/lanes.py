@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -144,7 +145,8 @@ def shared_m(one: Polygon, other: Polygon) -> float:
     return float(shapely.intersection(one, other, grid_size=ON_LINE_M).length)
 
 
-def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Floats]:
+@lru_cache(maxsize=1024)  # more than half of what decompositions ask was asked before, for other cuts or robots
+def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> tuple[Floats, ...]:
     """Lanes, polylines (k, 2) in metres, k = 1 or more, from which all of the shape is seen, bar what is hidden.
 
     shape: the ground; space: where robots can be; both in the plane. A lane stops where its end is just seen, runs
@@ -153,18 +155,20 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
     """
     ground, room = ground_turned(shape, -swath.angle_rad), turn_shape(space, -swath.angle_rad)
     if ground.is_empty:
-        return []
+        return ()
     left, low, right, high = ground.bounds
     reach_m = 2 * swath.sensor.reach_m
     near = common_part(room, shapely.box(left - reach_m, low - reach_m, right + reach_m, high + reach_m))
     back = turning(swath.angle_rad)
     heights_m, middles_m = strips(ground, 2 * swath.half_m)
-    lanes = []
+    lanes: list[Floats] = []
     for parts, middle_m, band in zip(slabs(ground, heights_m), middles_m, bands(near, heights_m), strict=True):
         shapely.prepare(band)
         for part in parts:
             lanes += [lane @ back for lane in lanes_of_strip(part, middle_m, band, swath)]
-    return lanes
+    for lane in lanes:
+        lane.flags.writeable = False  # others are given the same
+    return tuple(lanes)
 
 
 def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: Swath) -> list[Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -149,20 +149,20 @@ def promising_angles(problem: Problem, shape: MultiPolygon, most: int | None = N
     return tried[: most or EFFORTS[PatrolSettings.of(problem.mission).effort].sweeping.angles]
 
 
-def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:
+def lane_cost_m(lanes: Sequence[Floats], swath: Swath) -> float:
     """A guess at the length of a route along lanes: their own, and a swath's width from each to the next."""
     return sum(float(np.hypot(*np.diff(lane, axis=0).T).sum()) for lane in lanes) + 2 * swath.half_m * len(lanes)
 
 
-def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: bool) -> Iterator[list[Floats]]:
+def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: bool) -> Iterator[Sequence[Floats]]:
     """Ways to lay lanes over a shape, those first that promise the shortest routes.
 
     For each angle: strips over all of it; strips cell by cell; strips over all but one side, along which a lane leads
     back. own: also cells of which each has the direction that suits it best.
     """
-    guessed: list[tuple[float, int, list[Floats]]] = []
+    guessed: list[tuple[float, int, Sequence[Floats]]] = []
 
-    def add(lanes: list[Floats], swath: Swath) -> None:
+    def add(lanes: Sequence[Floats], swath: Swath) -> None:
         if lanes:
             guessed.append((lane_cost_m(lanes, swath), len(guessed), lanes))
 
@@ -186,11 +186,11 @@ def cells_at(shape: MultiPolygon, angle_rad: float) -> list[BaseGeometry]:
     return [turn_shape(cell, angle_rad) for part in polygons(upright) for cell in cells(part)]
 
 
-def best_lanes(problem: Problem, cell: BaseGeometry, tried: list[float]) -> list[Floats]:
+def best_lanes(problem: Problem, cell: BaseGeometry, tried: list[float]) -> Sequence[Floats]:
     """The lanes over one cell at the angle that promises the shortest route; none where no robot can be."""
     laid = [(lanes_in(cell, problem.space, swath), swath) for swath in (sensing(problem, angle) for angle in tried)]
     laid = [(lanes, swath) for lanes, swath in laid if lanes]
-    return min(laid, key=lambda pair: lane_cost_m(*pair))[0] if laid else []
+    return min(laid, key=lambda pair: lane_cost_m(*pair))[0] if laid else ()
 
 
 def without_a_side(
