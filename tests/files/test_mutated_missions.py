@@ -8,6 +8,7 @@ import tempfile
 import zlib
 from collections.abc import Callable
 from copy import deepcopy
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +26,6 @@ from rota.files.text_map import text_map
 from rota.files.yaml_text import parse_text
 
 BOUNDED = settings(max_examples=60, deadline=None, derandomize=True, database=None)
-MISSIONS = [
-    parse_text(path.read_text(), path.name, "").value
-    for path in sorted(EXAMPLES.glob("*.yaml"))
-    if not path.name.endswith("_map.yaml")
-]
 numbers = st.integers(-(10**400), 10**400) | st.floats() | st.sampled_from([1e155, 1e7, 1e-3, 5e-324, 2**63])
 scalars = (
     st.none() | st.booleans() | numbers | st.text(st.characters(), max_size=12) | st.sampled_from(["fewest", "null"])
@@ -39,6 +35,13 @@ trees = st.recursive(
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(max_size=5), inner, max_size=4),
     max_leaves=8,
 )
+
+
+@cache
+def examples() -> list[Any]:
+    """The examples' missions as trees of values."""
+    paths = sorted(EXAMPLES.glob("*.yaml"))
+    return [parse_text(path.read_text(), path.name, "").value for path in paths if not path.name.endswith("_map.yaml")]
 
 
 def faults_of(read: Callable[..., Any], *given: Any, **more: Any) -> tuple[str, ...]:
@@ -72,7 +75,7 @@ def test_mutated_missions_are_read_or_refused_where_they_are_wrong(tmp_path: Pat
 @st.composite
 def missions(draw: st.DrawFn) -> Any:
     """An example with one or two of its values drawn anew."""
-    value = deepcopy(draw(st.sampled_from(MISSIONS)))
+    value = deepcopy(draw(st.sampled_from(examples())))
     for _ in range(draw(st.integers(1, 2))):
         place: Place = draw(st.sampled_from(list(places(value))))
         block = value

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.signal import TransferFunction, step
 
 from rota.links.air_lead import AirLead, Drag, Gains, drag_of, gains_of
 
@@ -14,6 +13,8 @@ GAINS = Gains(position=1.2, velocity=2.5, integral=0.8, slope=0.4)
 
 
 def test_a_copter_that_needs_more_from_now_on_is_led_as_its_controllers_answer_to_that() -> None:
+    from scipy.signal import TransferFunction, step  # half a second, which all who collect tests would wait for
+
     lead = AirLead(GAINS, Drag(0.0, 0.0))
     found = []
     for _ in range(100):

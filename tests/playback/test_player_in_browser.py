@@ -7,6 +7,7 @@ import re
 from base64 import b64decode
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +43,12 @@ AGES = """([times, lost]) => {
 }"""
 
 
+PLANS = ("yard", "lane", "drifting", "taken over", "floor")
+
+
+@cache
 def plans() -> dict[str, Plan]:
+    """The plans of ``PLANS``, made once."""
     drifting = two_robots()
     ways = (drifting.trajectories[0], loop("b", [(99, 1), (70, 1), (70, 3), (99, 3)], 4.3))
     floor = spreading()
@@ -71,7 +77,7 @@ def opened(offline_page: Page, tmp_path: Path) -> Open:
     return open_page
 
 
-@pytest.mark.parametrize("name", plans())
+@pytest.mark.parametrize("name", PLANS)
 def test_ages_in_the_browser_are_those_of_python(opened: Open, offline_page: Page, name: str) -> None:
     header, arrays = opened(plans()[name])
     end_s = header["clock"]["end_s"]

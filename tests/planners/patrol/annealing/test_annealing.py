@@ -330,14 +330,14 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
     run(search, 5000)
     state, samples, rng = search._state, search._samples, np.random.default_rng(5)
     lost, estimated = 0.0, 0.0
+    vertices, times = rings(state), times_seen(search)
     for _ in range(300):
         k = int(rng.integers(len(state.n)))
-        p = int(rng.choice(rings(state)[k]))
+        p = int(rng.choice(vertices[k]))
         v, q = int(state.after[p]), int(state.after[state.after[p]])
         x, y = rng.normal((state.x[v], state.y[v]), rng.choice([0.3, 3.0]))
         a, b, c = ((float(state.x[u]), float(state.y[u])) for u in (p, v, q))
         old, new = (seen_from(state, samples, k, [a, middle, c]) for middle in (b, (x, y)))
-        times = times_seen(search)
         gained_m = samples.weight[(times == 0) & (new > 0)].sum()
         box_m = (min(a[0], c[0], x), min(a[1], c[1], y), max(a[0], c[0], x), max(a[1], c[1], y))
         assert gained_m <= unseen_near(*box_m, state) <= state.unseen[0] + 1e-6
