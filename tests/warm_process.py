@@ -36,9 +36,11 @@ def address_of_one() -> str:
     """Where the process to be copied listens; it is started when it is first asked for, and ends with this one."""
     folder = tempfile.TemporaryDirectory()
     address = f"{folder.name}/copies"
-    warm = subprocess.Popen([sys.executable, "-m", __name__, address], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    command = [sys.executable, "-m", __name__, address]
+    # tests may have gone to folders of their own
+    warm = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=Path(__file__).parents[1])
     assert warm.stdout is not None
-    warm.stdout.readline()
+    assert warm.stdout.readline(), "it ended before it listened"
 
     def end() -> None:
         warm.communicate()

@@ -8,20 +8,21 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import httpx
 from starlette.testclient import TestClient
 from tests.warm_process import address_of_one
-from tests.web.warm_workers import copied_workers
+from tests.web.warm_workers import workers
 
 from rota.web.app import make_app
 from rota.web.limits import Limits
 from rota.web.security import Guard
 
 HOST = "127.0.0.1:8321"
+ROOT = Path(__file__).parents[2]
 Json = dict[str, Any]
 
 # one robot sees all of it from where it stands
@@ -54,7 +55,7 @@ def serving(
     guard = Guard(hosts=frozenset([HOST]), token=token)
     app = make_app(data, guard, limits, prepares=False)
     with (
-        nullcontext() if usual else copied_workers(),
+        workers(copied=not usual),
         TestClient(app, base_url=f"http://{HOST}", raise_server_exceptions=False) as client,
     ):
         yield client
@@ -102,6 +103,7 @@ import sys
 from functools import partial
 from rota.__main__ import main
 from rota.web import app, serving
+sys.path.insert(0, sys.argv.pop(1))
 from tests.web.warm_workers import begin_with_copies
 begin_with_copies(sys.argv.pop(1))
 app.POOL_SIZE = 1
@@ -118,7 +120,7 @@ class Server:
     """
 
     def __init__(self, data: Path, *options: str, port: int = 0, usual: bool = False) -> None:
-        program = ["-m", "rota"] if usual else ["-c", LEAN, address_of_one()]
+        program = ["-m", "rota"] if usual else ["-c", LEAN, str(ROOT), address_of_one()]
         serve = ["serve", "--no-open", "--port", str(port), "--data", str(data), *options]
         self.process = subprocess.Popen([sys.executable, *program, *serve], stderr=subprocess.PIPE, text=True)
         assert self.process.stderr is not None

@@ -16,6 +16,7 @@ from rota.web.workers import process
 from rota.web.workers.process import MOST_LINE, WorkerProcess
 
 WORKER = "from rota.web.tasks.worker import main; main()"
+INTERPRETER = WorkerProcess.start
 
 
 class CopiedProcess:
@@ -53,10 +54,13 @@ def begin_with_copies(address: str) -> None:
 
 
 @contextmanager
-def copied_workers() -> Iterator[None]:
-    """Meanwhile this process's workers are copies."""
+def workers(*, copied: bool) -> Iterator[None]:
+    """Meanwhile this process's workers are copies, or interpreters of their own, whatever they were."""
     before = WorkerProcess.start
-    begin_with_copies(address_of_one())
+    if copied:
+        begin_with_copies(address_of_one())
+    else:
+        WorkerProcess.start = INTERPRETER  # type: ignore[method-assign]
     try:
         yield
     finally:
