@@ -331,7 +331,7 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
     state, samples, rng = search._state, search._samples, np.random.default_rng(5)
     lost, estimated = 0.0, 0.0
     vertices, times = rings(state), times_seen(search)
-    for _ in range(300):
+    for _ in range(120):
         k = int(rng.integers(len(state.n)))
         p = int(rng.choice(vertices[k]))
         v, q = int(state.after[p]), int(state.after[state.after[p]])
