@@ -11,7 +11,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submit_with
 from rota.model.mission import Mission
-from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -145,10 +145,19 @@ def with_best_bound(context: Context) -> Context:
     """The search with the highest of all bounds; with the one it has where it is to stop."""
     if not context.proves_later or context.should_stop():
         return context
-    bound, enough_robots = what_is_proved(
-        context.problem, context.asked, partial(prove_bound, should_stop=context.should_stop)
-    )
-    return replace(context, bound=bound, enough_robots=enough_robots, proves_later=False)
+    best = with_bound(context, partial(prove_bound, should_stop=context.should_stop))
+    return replace(best, proves_later=False)
+
+
+def with_bound_by_area(context: Context) -> Context:
+    """The search with the bound of areas and periods, where the best one is still to be proved."""
+    return with_bound(context, prove_by_area) if context.proves_later else context
+
+
+def with_bound(context: Context, prove: Callable[[Problem], ProvedBound]) -> Context:
+    """The search with the bound that this proof gives."""
+    bound, enough_robots = what_is_proved(context.problem, context.asked, prove)
+    return replace(context, bound=bound, enough_robots=enough_robots)
 
 
 def what_is_proved(

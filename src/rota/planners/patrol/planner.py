@@ -251,14 +251,17 @@ def first_tours_do(problem: Problem) -> bool:
 def first_bound_proof(problem: Problem) -> Callable[[Problem], ProvedBound]:
     """The proof that the search begins with; the best bound is proved as soon as there are tours.
 
-    Lanes over all of the ground need no bound but that of the area, and the first tours over ragged ground need none.
+    First tours and lanes need no bound, but that of the area tells whether the ground takes so many robots that lanes
+    are laid over districts.
     """
     if first_tours_do(problem):
         return prove_nothing
     settings = PatrolSettings.of(problem.mission)
-    is_searched = settings.method == "tours" and problem.mission.fleet.robots is None
-    is_small = not problem.is_ragged and not is_wide(problem, EFFORTS[settings.effort].districts)
-    return prove_by_area if is_searched and is_small else prove_bound
+    if settings.method != "tours" or problem.is_ragged:
+        return prove_bound
+    districts = EFFORTS[settings.effort].districts
+    takes_few = not is_wide(problem, districts) and perfect_lanes(problem) < districts.many_robots / 2
+    return prove_nothing if takes_few else prove_by_area
 
 
 def for_mission(found: Repaired, mission: Mission) -> Repaired:

@@ -78,6 +78,14 @@ class Repaired:
         return self.verdict.verdict == "met"
 
 
+def claiming(found: Repaired, bound: ProvedBound) -> Repaired:
+    """The same plan with this bound; the very same where it claims that already."""
+    if (found.plan.lower_bound_robots, found.plan.lower_bound_reason) == (bound.robots, bound.reason):
+        return found
+    plan = replace(found.plan, lower_bound_robots=bound.robots, lower_bound_reason=bound.reason)
+    return replace(found, plan=plan)
+
+
 def plan_of(
     problem: Problem,
     tours: Sequence[Tour],

@@ -108,8 +108,7 @@ def shortened_further(context: Context, found: Repaired, *, left: float = math.i
 
 def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> Repaired:
     """The plan with its tours straight on past their spikes, repaired; the plan given where that is no better."""
-    found = spikes(context.problem, plan.tours)
-    if not found or context.should_stop():
+    if context.should_stop() or not (found := spikes(context.problem, plan.tours)):
         return plan
     straight = repair_for_length(context, without(plan.tours, found), plan.tours)
     return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan

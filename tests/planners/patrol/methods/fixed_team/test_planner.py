@@ -133,3 +133,20 @@ def test_the_first_plan_of_a_team_with_time_to_spare_is_lanes_from_its_starts() 
     assert first_doing == "sweeping in lanes"
     assert first.mission == mission
     assert {tuple(one.positions_m[0].tolist()) for one in first} == set(starts)
+
+
+def test_a_team_that_has_a_plan_of_lanes_looks_no_further_once_it_is_to_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = replace(FIELD, period_s=200, fleet=replace(FIELD.fleet, robots=2))
+
+    def searched_on(*_: object) -> Plan:
+        raise AssertionError("searched on after the stop")
+
+    monkeypatch.setattr(planner, "plan_with_effort", searched_on)
+    passed = list[Plan]()
+    plan = search_plan(
+        mission,
+        on_better=lambda plan, report: passed.append(plan) if report.verdict == "met" else None,
+        should_stop=lambda: bool(passed),
+    ).plan
+    assert check_plan(plan).verdict == "met"
+    assert plan.lower_bound_robots == 1

@@ -18,6 +18,7 @@ from rota.planners.patrol.methods.sweeping.routes import (
     closed_route,
     driving_order,
     missed_m2,
+    promising_angles,
     sweep_grounds,
     without_small_holes,
 )
@@ -39,6 +40,14 @@ def rectangle() -> Problem:
 def only(problem: Problem) -> SweepGround:
     (ground,) = sweep_grounds(problem, ((0,),))
     return ground
+
+
+def test_no_lanes_are_laid_across_a_long_corridor() -> None:
+    corridor = problem_over(MultiPolygon([box(0, 0, 3000, 16)]))
+    assert len(angles(corridor, corridor.mission.area)) > 1
+    assert np.sin(promising_angles(corridor, corridor.mission.area)) == pytest.approx([0.0])
+    hall = problem_over(MultiPolygon([box(0, 0, 50, 40)]))
+    assert len(promising_angles(hall, hall.mission.area)) > 1
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
 from rota.model.plan import Plan
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import period_groupings
@@ -68,6 +68,11 @@ def plan_by_places(context: Context, asked: Mission, method: Method, *, plain: b
 def plan_by_search(context: Context, asked: Mission, method: Method) -> Plan:
     """The same by the usual search alone."""
     lanes = lanes_of_team(context, asked, method)
+    context = with_best_bound(context)
+    if lanes is not None:
+        lanes = replace(lanes, lower_bound_robots=context.bound.robots, lower_bound_reason=context.bound.reason)
+        if context.should_stop():
+            return lanes
     mission = context.problem.mission
     if PatrolSettings.of(mission).effort == "quick" or not context.anneals:
         return better_plan(context, lanes, lambda: plan_with_effort(context, asked, method))

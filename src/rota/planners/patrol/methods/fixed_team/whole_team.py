@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_si
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.team_tours import with_bystanders, with_helpers
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible
+from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.verdict import touching
 
 
@@ -40,9 +42,12 @@ def with_whole_team(context: Context, repaired: Repaired, team: Team) -> Repaire
     """The plan with all robots of the team; None when it takes more, or does not pass with spare ones."""
     if repaired.robots > team.robots:
         return None
-    helped = with_helpers(repaired.tours, team.robots, team.starting)
-    for tours in (helped, with_bystanders(context.problem, repaired.tours, team.robots)):
-        if tours is None:
+    ways: tuple[Callable[[], list[Tour] | None], ...] = (
+        lambda: with_helpers(repaired.tours, team.robots, team.starting),
+        lambda: with_bystanders(context.problem, repaired.tours, team.robots),
+    )
+    for way in ways:
+        if (tours := way()) is None:
             continue
         plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
         verdict = context.judge(plan)

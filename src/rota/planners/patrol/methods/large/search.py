@@ -10,7 +10,7 @@ from rota.geometry.free_space import demanded_regions
 from rota.model.mission import Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.method_settings import DistrictSettings
@@ -20,7 +20,7 @@ from rota.planners.patrol.methods.large.lanes import AROUND, in_districts
 from rota.planners.patrol.methods.large.pieces import in_pieces, is_built_up
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sweeping.search import judge_by_lanes, sweep_with_fewest_robots
-from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.repair.repair import Repaired, claiming, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour
 
 
@@ -49,15 +49,11 @@ def perfect_lanes(problem: Problem) -> float:
 def fewest_on_large(context: Context, search: Method) -> Repaired:
     """The best plan for large ground (met unless all repair failed).
 
-    Lanes first, which open ground needs no more robots than; among buildings tours over pieces. Where they take many
-    more than the bound, every district is searched by itself as small ground is (``search``), at once, and the tours of
-    all are repaired together.
+    Lanes first, which open ground needs no more robots than; among buildings tours over pieces. Then the best bound is
+    proved. Where they take many more than that, every district is searched by itself as small ground is (``search``),
+    at once, and the tours of all are repaired together.
     """
     problem, settings = context.problem, context.settings.districts
-    few = settings.enough * context.enough_robots
-    if has_many(context):
-        # no search spares a robot of lanes that take less than 15 % more than perfect ones
-        few = max(few, 1.15 * max(context.enough_robots, perfect_lanes(problem)))
     lanes: Repaired | None
     if is_built_up(context):
         lanes = in_pieces(context)
@@ -65,6 +61,12 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
             return lanes
     else:
         lanes = in_lanes(context)
+    context = with_best_bound(context)
+    lanes = None if lanes is None else claiming(lanes, context.bound)
+    few = settings.enough * context.enough_robots
+    if has_many(context):
+        # no search spares a robot of lanes that take less than 15 % more than perfect ones
+        few = max(few, 1.15 * max(context.enough_robots, perfect_lanes(problem)))
     if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
     count = boxes_for(problem.asked_m2, settings.most_area * problem.reach_m**2)

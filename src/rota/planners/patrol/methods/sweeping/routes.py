@@ -35,6 +35,7 @@ Ints = NDArray[np.int64]
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
 )
+MUCH_LONGER = 1.5  # times the shortest guess
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,10 +143,16 @@ def shortest_guess_m(problem: Problem, shape: MultiPolygon) -> float:
 
 
 def promising_angles(problem: Problem, shape: MultiPolygon, most: int | None = None) -> list[float]:
-    """The directions that promise the shortest routes, at most so many, or (None) as many as the effort allows."""
+    """The directions that promise the shortest routes, at most so many, or (None) as many as the effort allows.
+
+    Directions that promise routes ``MUCH_LONGER`` than the best one are left out: across a long corridor lanes are all
+    turns, and there are thousands of them.
+    """
     if shape.is_empty:
         return []
-    tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
+    guesses_m = {angle: guess_m(shape, sensing(problem, angle)) for angle in angles(problem, shape)}
+    most_m = MUCH_LONGER * min(guesses_m.values())
+    tried = [angle for angle in sorted(guesses_m, key=guesses_m.__getitem__) if guesses_m[angle] <= most_m]
     return tried[: most or EFFORTS[PatrolSettings.of(problem.mission).effort].sweeping.angles]
 
 
