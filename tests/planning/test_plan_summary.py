@@ -125,6 +125,7 @@ def test_no_area_row_where_nothing_is_asked_outside_zones() -> None:
     [
         (1, 1, "1 robot: no plan needs fewer, proved."),
         (1, 5, "1 robot; meeting the demand takes at least 5, proved."),
+        (2, 1, "2 robots; that one robot cannot do it is not proved."),
         (4, 3, "4 robots; no plan with fewer than 3 exists, proved."),
         (2, None, "2 robots; no lower bound is known."),
     ],

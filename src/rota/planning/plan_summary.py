@@ -154,6 +154,8 @@ def robots_sentence(plan: Plan) -> str:
         return f"{count}; meeting the demand takes at least {bound}, proved."
     if n == bound:
         return f"{count}: no plan needs fewer, proved."
+    if bound == 1:
+        return f"{count}; that one robot cannot do it is not proved."
     return f"{count}; no plan with fewer than {bound} exists, proved."
 
 

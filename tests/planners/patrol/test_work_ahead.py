@@ -46,7 +46,7 @@ def test_large_ground_and_many_robots_are_told_with_an_estimate() -> None:
 def test_many_corners_and_slow_turning_are_told() -> None:
     angles = np.linspace(0, 2 * math.pi, 3000, endpoint=False)
     circle = Polygon(50 * np.column_stack([np.cos(angles), np.sin(angles)]))
-    assert list(planning_ahead(field(circle))) == ["3,001 corners of walls: minutes to find the ways round them"]
+    assert list(planning_ahead(field(circle))) == ["3,001 corners of walls: about 21 s to find the ways round them"]
     (told,) = planning_ahead(field(shapely.segmentize(circle, 0.01)))
     assert told.endswith("ways round them; close_gaps_m beside area.map counts narrow nooks as wall")
     assert list(planning_ahead(field(box(0, 0, 60, 40), turn_rate=0.0105))) == []

@@ -40,7 +40,8 @@ def planning_ahead(mission: Mission) -> Iterator[str]:
     corners = int(shapely.get_num_coordinates(shapes).sum())
     if corners >= 2_000:
         ragged = "; close_gaps_m beside area.map counts narrow nooks as wall" if corners >= 20_000 else ""
-        yield f"{corners:,} corners of walls: minutes to find the ways round them{ragged}"
+        lasts_s = 7e-3 * corners  # measured with scanned floors of up to 35,500 corners
+        yield f"{corners:,} corners of walls: about {about(lasts_s)} to find the ways round them{ragged}"
     if robot.turn_rate_rad_s is not None and periods_s:
         round_s = 2 * math.pi / robot.turn_rate_rad_s
         if round_s > max(periods_s):
