@@ -183,7 +183,7 @@ def set_up_problem(
 
 
 def count_nooks(walls: Floats, most_m: float) -> int:
-    """The corners between walls (k, 4), both shorter than ``most_m``, that follow each other with a sharp turn."""
+    """The corners between walls (k, 4), both shorter than ``most_m``, that follow each other, of over half a radian."""
     step = walls[:, 2:] - walls[:, :2]
     before, after = step[:-1], step[1:]
     turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
