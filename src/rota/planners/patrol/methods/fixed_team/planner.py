@@ -47,13 +47,18 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     effort never gives a greater ratio, and a search that is stopped, or that finds nothing, has these plans.
     """
     if (plan := plan_by_places(context, asked, method, plain=False)) is not None:
-        return plan
+        return claiming_bound_of(with_best_bound(context), plan)
     try:
         return plan_by_search(context, asked, method)
     except NoPlanFound:
         if (plan := plan_by_places(context, asked, method, plain=True)) is None:
             raise
-        return plan
+        return claiming_bound_of(with_best_bound(context), plan)
+
+
+def claiming_bound_of(context: Context, plan: Plan) -> Plan:
+    """The plan with the bound of the search."""
+    return replace(plan, lower_bound_robots=context.bound.robots, lower_bound_reason=context.bound.reason)
 
 
 def plan_by_places(context: Context, asked: Mission, method: Method, *, plain: bool) -> Plan | None:
@@ -70,7 +75,7 @@ def plan_by_search(context: Context, asked: Mission, method: Method) -> Plan:
     lanes = lanes_of_team(context, asked, method)
     context = with_best_bound(context)
     if lanes is not None:
-        lanes = replace(lanes, lower_bound_robots=context.bound.robots, lower_bound_reason=context.bound.reason)
+        lanes = claiming_bound_of(context, lanes)
         if context.should_stop():
             return lanes
     mission = context.problem.mission
