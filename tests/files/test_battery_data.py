@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
+import pytest
 import yaml
 
-from rota import check_plan, make_plan
+from rota import NoPlanFound, check_plan, make_plan
+from rota.check.charging import docked_rows
 from rota.files.battery_data import BatteryData
 from rota.files.mission_file import mission_schema, read_mission
 from rota.model.battery_limits import BatteryLimits
@@ -49,6 +53,15 @@ def test_a_preset_has_what_its_maker_publishes(tmp_path: Path) -> None:
     # DJI: 77 Wh, 45 minutes of flight, 38 of hovering; charged at 77 W in an hour
     other = read(tmp_path, {"preset": "dji-mavic-3e", "charging_w": 77}).fleet.battery
     assert other == BatteryLimits(endurance_s=2700, standing_endurance_s=2280, recharge_s=3600)
+    # DeltaQuad: 1 h 50 min of flight and 6 h of charging; 23 Ah of 4 cells of 3.7 V, a tenth of which is 660 s
+    wing = read(tmp_path, {"preset": "deltaquad-pro-v2", "takeoff_wh": 34.04}).fleet.battery
+    assert wing.takeoff_s == pytest.approx(660)
+    seconds = BatteryLimits(endurance_s=6600, standing_endurance_s=0, recharge_s=21600)
+    assert dataclasses.replace(wing, takeoff_s=0) == seconds
+    # MEDION: an hour at the highest power, charged in five; 2.4 Ah of 14.4 V
+    cleaner = read(tmp_path, {"preset": "medion-md-19601", "takeoff_wh": 3.456}).fleet.battery
+    assert cleaner.takeoff_s == pytest.approx(360)
+    assert dataclasses.replace(cleaner, takeoff_s=0) == BatteryLimits(endurance_s=3600, recharge_s=18000)
     assert read(tmp_path, {"preset": "crazyflie-2.1"}, recharge_s=900).fleet.battery.recharge_s == 900
 
 
@@ -68,3 +81,24 @@ def test_who_hovers_is_relieved_before_its_battery_is_low(tmp_path: Path) -> Non
     # it has 2107 s of flight, hovers at 45 / 38 of that and charges in 71 minutes: a third robot does
     assert len(plan) == 3
     assert check_plan(plan).verdict == "met"
+
+
+@pytest.mark.parametrize("standing_endurance_s", [0, 900])
+def test_a_wing_flies_where_a_copter_hovers(tmp_path: Path, standing_endurance_s: float) -> None:
+    battery = {"capacity_wh": 100, "moving_w": 200, "charging_w": 100}
+    plan = make_plan(read(tmp_path, battery, standing_endurance_s=standing_endurance_s))
+    least_m_s = [
+        float(ways_m[k] / np.diff(one.times_s)[k])
+        for one in plan
+        for ways_m in [np.hypot(*np.diff(one.positions_m[:, :2], axis=0).T)]
+        for k in np.flatnonzero(~docked_rows(one.times_s, one.charges))
+    ]
+    # the zone is seen from one place, which a copter does not leave
+    assert min(least_m_s) == (0 if standing_endurance_s else pytest.approx(5, rel=1e-5))
+    assert check_plan(plan).verdict == "met"
+
+
+def test_where_a_wing_would_have_to_stand_planning_says_so(tmp_path: Path) -> None:
+    battery = {"capacity_wh": 100, "moving_w": 200, "charging_w": 10}
+    with pytest.raises(NoPlanFound, match=r"robot-1 would stand at \(55, 35\), where its standing_endurance_s is 0"):
+        make_plan(read(tmp_path, battery, standing_endurance_s=0))

@@ -66,6 +66,8 @@ def test_what_does_not_go_together_is_told(
             "takeoff_s: 7 is not allowed; .* beside reserve_s, 7",
         ),
         ({"takeoff_s": 5}, "takeoff_s: 5 is not allowed; needs endurance_s"),
+        ({"standing_endurance_s": 0}, "standing_endurance_s: 0 is not allowed; needs endurance_s"),
+        ({"endurance_s": 9, "standing_endurance_s": 1e-4}, "standing_endurance_s: .* must be 0 or at least 0.001"),
         ({"endurance_s": math.nan}, "endurance_s: .nan is not allowed"),
         ({"endurance_s": -1}, "endurance_s: -1 is not allowed"),
     ],

@@ -31,6 +31,7 @@ from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.seams import seam_violations
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
+from rota.check.standing_still import standing_violations
 from rota.check.tiled_ground import FINEST_M, findings_by_group
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
@@ -235,7 +236,7 @@ def violations_on_the_way(plan: Plan) -> list[Violation]:
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += _late_violations(plan) + lane_violations(plan) + seam_violations(plan)
     violations += moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
-    return violations + charging_violations(plan)
+    return violations + charging_violations(plan) + standing_violations(plan)
 
 
 def _unjudged_headings(plan: Plan) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ POWERS = ("capacity_wh", "moving_w", "standing_w")  # of which a preset has its 
 # by what of the block each of a battery's seconds is given; none may be given twice
 TOLD_BY = {
     "endurance_s": ("preset", "moving_w"),
-    "standing_endurance_s": ("preset", "standing_w", "moving_w"),
+    "standing_endurance_s": ("preset", "standing_w"),
     "recharge_s": ("charging_w",),
     "reserve_s": ("reserve_percent",),
     "takeoff_s": ("takeoff_wh",),
@@ -34,7 +34,10 @@ class BatteryData:
     capacity_wh: float | None = field_of(None, "what a full battery holds", above=0, most=MOST_WH)
     moving_w: float | None = field_of(None, "used while it drives or flies along", above=0, most=MOST_W)
     standing_w: float | None = field_of(
-        None, "used while it stands or hovers; null: as while it moves", above=0, most=MOST_W
+        None,
+        "used while it stands or hovers; null: as while it moves, or as standing_endurance_s says",
+        above=0,
+        most=MOST_W,
     )
     charging_w: float | None = field_of(
         None,

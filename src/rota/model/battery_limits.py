@@ -8,7 +8,7 @@ from typing import Any
 
 from rota.model.field_values import check_fields
 from rota.model.fields import field_of, fields_of
-from rota.model.limits import DURATION, LONGEST_S
+from rota.model.limits import DURATION, LONGEST_S, MOMENT
 from rota.model.refusals import require
 
 _TIME: dict[str, Any] = {"most": LONGEST_S, "written": DURATION, "newer": True, "spared": True}
@@ -20,15 +20,16 @@ class BatteryLimits:
 
     A full battery lasts for ``endurance_s`` of driving, or ``standing_endurance_s`` of standing. Charging from empty to
     full takes ``recharge_s``, and less in proportion to what was used. ``reserve_s`` of driving are never used. Each
-    time that a robot leaves a charger, or begins in the air, ``takeoff_s`` are used at once, landing included.
+    time that a robot leaves a charger, or begins in the air, ``takeoff_s`` are used at once, landing included. One with
+    a ``standing_endurance_s`` of 0 moves wherever it is not on a charger.
     """
 
     endurance_s: float | None = field_of(
         None, "of driving with a full battery; null: it never runs low", title="endurance", above=0, **_TIME
     )
     standing_endurance_s: float | None = field_of(
-        None, "of standing or hovering with a full battery; null: as of driving", title="endurance standing", above=0,
-        **_TIME,
+        None, "of standing or hovering with a full battery; 0: it cannot, as a wing; null: as of driving",
+        title="endurance standing", least=0, **_TIME | {"written": MOMENT},
     )  # fmt: skip
     recharge_s: float | None = field_of(
         None, "to charge it from empty to full; null: where batteries are swapped", title="recharging", above=0, **_TIME
@@ -53,8 +54,13 @@ class BatteryLimits:
         return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s - self.takeoff_s
 
     @property
+    def can_stand(self) -> bool:
+        """Whether the robot can stand or hover where no charger is."""
+        return self.standing_endurance_s != 0
+
+    @property
     def standing_uses(self) -> float:
-        """Seconds of driving that a second of standing takes."""
+        """Seconds of driving that a second of standing takes; of a robot that cannot stand 1."""
         if self.endurance_s is None:
             return 1.0
         return self.endurance_s / (self.standing_endurance_s or self.endurance_s)
@@ -66,11 +72,13 @@ BATTERY_KEYS = (*BATTERY_FIELDS, "battery")  # of mission files, which may have 
 
 def battery_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Values that contradict each other: the field at fault, and what is allowed."""
-    endurance_s = values["endurance_s"]
+    endurance_s, standing_s = values["endurance_s"], values["standing_endurance_s"]
     if endurance_s is None:
         for name in BATTERY_FIELDS[1:]:
-            if values[name]:
+            if values[name] or (name == "standing_endurance_s" and standing_s == 0):
                 yield name, "needs endurance_s: without one, batteries never run low"
+    elif standing_s is not None and 0 < standing_s < DURATION[0]:
+        yield "standing_endurance_s", f"must be 0 or at least {DURATION[0]:g}"
     elif (reserve_s := values["reserve_s"] or 0) >= endurance_s:
         yield "reserve_s", f"must be less than endurance_s, {endurance_s:.6g}"
     elif (values["takeoff_s"] or 0) >= endurance_s - reserve_s:

@@ -146,7 +146,7 @@ def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
-        told = touching(verdict) or crowding(verdict) or excess_of_unseeable(verdict)
+        told = touching(verdict) or standing(verdict) or crowding(verdict) or excess_of_unseeable(verdict)
         return told or "the check finds the routes themselves at fault"
     what, period_s = demand_in_words(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
@@ -171,6 +171,15 @@ def crowding(verdict: Verdict) -> str | None:
         if fault.kind == "charger too full":
             name, places = fault.who.split(":")[0], f"{fault.limit:.0f} place{'s'[: fault.limit != 1]}"
             return f"charger {name!r} has {places}, and {fault.value:.0f} robots are there at once: give it more places"
+    return None
+
+
+def standing(verdict: Verdict) -> str | None:
+    """Where a robot would stand that cannot; None when none does."""
+    for fault in verdict.violations:
+        if fault.kind == "stands though it cannot" and fault.place_m is not None:
+            x, y = fault.place_m
+            return f"{fault.who} would stand at ({x:.6g}, {y:.6g}), where its standing_endurance_s is 0"
     return None
 
 

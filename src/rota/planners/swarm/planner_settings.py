@@ -173,3 +173,6 @@ def _charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "robots of a swarm that charge do not heed them: remove them, or the chargers"
     yield from every_change_of_presence(data, "robots of a swarm that charges neither join nor leave: remove it")
+    for where, block in fleet_blocks(data):
+        if inner(block, "standing_endurance_s") == 0:
+            yield (*where, "standing_endurance_s"), "0 is not allowed: a swarm stands where it has spread to"

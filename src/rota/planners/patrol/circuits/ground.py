@@ -173,12 +173,12 @@ def cut_at_chargers(ways_s: Floats, times_s: Floats, usable_s: float) -> list[tu
 def _circuit(charger: Charger, parts_m: Sequence[Floats], period_s: float, mission: Mission) -> Circuit:
     """The circuit along a way out, corners one after the other, and a way back; at one corner a robot stays a moment.
 
-    Who comes from a charger to a place beside it has not been there unless it stays.
+    Who comes from a charger to a place beside it has not been there unless it stays, which a wing cannot.
     """
     robot, battery = mission.fleet.equal_robot("robot-1"), mission.fleet.battery
     line_m = np.vstack(list(parts_m))
     steps_s = np.hypot(*np.diff(line_m, axis=0).T) / (robot.ground_speed_m_s * SLOWER)
-    stays_s = MOMENT * period_s if len(parts_m[1]) == 1 else 0.0
+    stays_s = MOMENT * period_s if len(parts_m[1]) == 1 and battery.can_stand else 0.0
     steps_s[len(parts_m[0])] += stays_s  # from the corner to the beginning of the way back, which is there too
     kept = np.concatenate([[True], steps_s * robot.ground_speed_m_s > SAME_PLACE_M])
     times_s, places_m = np.concatenate([[0.0], np.cumsum(steps_s)])[kept], line_m[kept]
