@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rota.files.battery_data import BatteryData
 from rota.files.example_mission import example_mission_text
 from rota.files.mission_schema import DRIVING
 from rota.model.batteries import Charger
@@ -14,6 +13,7 @@ from rota.model.fields import any_of, fields_of
 from rota.model.fleet import Abilities, Kind
 from rota.model.mission import DiscSensor, Zone
 from rota.model.motion_limits import MotionLimits
+from rota.vehicles.battery_data import BatteryData
 from rota.vehicles.battery_presets import BATTERIES
 from rota.vehicles.facts import Fact, Vehicle
 from rota.vehicles.presets import VEHICLES

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from rota.files.mission_writer import write_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
+    from rota.model.battery_limits import BatteryLimits
     from rota.model.mission import (
+        Charger,
         DiscSensor,
         Fleet,
         GeoPoint,
@@ -41,9 +43,13 @@ if TYPE_CHECKING:
     from rota.planning.planner import prove_bound
     from rota.rehearsal import DemandOutcome, Rehearsal, draw_rehearsal, rehearse
     from rota.replanning.replan import Replanned, replan
+    from rota.vehicles.battery_data import BatteryData
 
 __all__ = [
+    "BatteryData",
+    "BatteryLimits",
     "BounceSettings",
+    "Charger",
     "CheckpointError",
     "DemandOutcome",
     "DemandVerdict",
@@ -110,7 +116,9 @@ _MODULES = {
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
     "rota.files.checkpoint_file": ["read_checkpoint", "write_checkpoint"],
+    "rota.model.battery_limits": ["BatteryLimits"],
     "rota.model.mission": [
+        "Charger",
         "DiscSensor",
         "Fleet",
         "GeoPoint",
@@ -132,6 +140,7 @@ _MODULES = {
     "rota.planners.swarm.planner_settings": ["SwarmSettings"],
     "rota.rehearsal": ["DemandOutcome", "Rehearsal", "draw_rehearsal", "rehearse"],
     "rota.replanning.replan": ["replan", "Replanned"],
+    "rota.vehicles.battery_data": ["BatteryData"],
     "rota.planning.make_plan": ["make_plan", "search_plan", "PlanSearch"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rota.files.battery_data import seconds_of
 from rota.files.blocks import Fault, make
 from rota.files.mission_schema import DRIVING
 from rota.files.yaml_text import Place
@@ -15,6 +14,7 @@ from rota.model.fields import REQUIRED, fields_of, flat_fields_of
 from rota.model.fleet import KINDS_NEED_FEWEST, NO_POINTS_FOR_KINDS, TURNS_ONE_WAY, Abilities, Fleet, Kind, Robot
 from rota.model.motion_limits import AT_ONCE, NEED_MASS, driving_faults, motion_faults
 from rota.model.refusals import refusal, show_value
+from rota.vehicles.battery_data import seconds_of
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.presets import NONE, VEHICLES
 

@@ -12,7 +12,6 @@ from typing import Any, Literal
 
 from shapely import MultiPolygon
 
-from rota.files.battery_data import BatteryData, battery_rules, seconds_beside_watts
 from rota.files.blocks import Block, block_of, field_in, fields_in
 from rota.files.shape_schema import (
     AREA_NEEDED,
@@ -38,6 +37,7 @@ from rota.model.mission import Mission, MovingObstacle, Obstacle, Zone, all_refu
 from rota.model.planner_registry import DEFAULT, PLANNERS, planner_names
 from rota.model.refusals import Where, fleet_blocks, inner
 from rota.planning.planner import loadable_planners, planner_named
+from rota.vehicles.battery_data import BatteryData, battery_rules, seconds_beside_watts
 from rota.vehicles.battery_presets import BATTERIES
 from rota.vehicles.presets import VEHICLES
 

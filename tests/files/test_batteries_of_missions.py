@@ -13,11 +13,11 @@ import yaml
 
 from rota import NoPlanFound, check_plan, make_plan
 from rota.check.charging import docked_rows
-from rota.files.battery_data import BatteryData
 from rota.files.mission_file import mission_schema, read_mission
 from rota.model.battery_limits import BatteryLimits
 from rota.model.fields import fields_of
 from rota.model.mission import Mission
+from rota.vehicles.battery_data import BatteryData
 
 
 def read(tmp_path: Path, battery: dict[str, Any], **fleet: Any) -> Mission:
