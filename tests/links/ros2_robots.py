@@ -19,7 +19,9 @@ class ScriptedRobot:
     """``fault``: it refuses (to start), holds half (of a route), is deaf (no service), or poses have nan or a frame.
 
     drives: whether it drives its route once it is started, by the stamps of its poses. top_m_s: how fast it drives at
-    most, and that it heeds its schedule; 0: it does not listen to one.
+    most, and that it heeds its schedule; 0: it does not listen to one. endurance_s: how long its battery lasts while it
+    drives; it fills in recharge_s while the robot is idle, and it is idle where its route ends. docks: it serves dock
+    and undock, and charges only while it is docked.
     """
 
     namespace: str
@@ -28,6 +30,11 @@ class ScriptedRobot:
     kind: str = "drone"
     drives: bool = False
     top_m_s: float = 0.0
+    endurance_s: float = math.inf
+    recharge_s: float = math.inf
+    battery: float = 0.75
+    docks: bool = False
+    docked: bool = False
     started_s: float = math.inf
     orders: list[str] = field(default_factory=list)
     route: Any = None
@@ -48,7 +55,7 @@ class ScriptedRobot:
             node.create_subscription(Path, f"/{self.namespace}/schedule", self.take_schedule, 1)
         if self.fault != "deaf":
             node.create_service(GetPlan, f"/{self.namespace}/get_route", self.tell_route)
-            for order in ("start", "pause", "come_home", "clear_route"):
+            for order in ("start", "pause", "come_home", "clear_route", *(("dock", "undock") if self.docks else ())):
                 node.create_service(Trigger, f"/{self.namespace}/{order}", self.doing(order))
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         node.create_publisher(String, f"/{self.namespace}/robot_type", latched).publish(String(data=self.kind))
@@ -89,6 +96,9 @@ class ScriptedRobot:
 
         def do(_: Any, answer: Any) -> Any:
             self.orders.append(order)
+            if order in ("dock", "undock"):
+                self.docked, answer.success = order == "dock", True
+                return answer
             answer.success = not (self.fault == "refuses" and order == "start")
             answer.message = "" if answer.success else "the emergency stop is pressed"
             if answer.success:
@@ -128,6 +138,16 @@ class ScriptedRobot:
                 return
             self.schedule.pop(0)
 
+    def use_battery(self, passed_s: float) -> None:
+        """Less while it drives; more while it is idle, and docked where it docks."""
+        if self.mode == "running":
+            self.battery = max(self.battery - passed_s / self.endurance_s, 0.0)
+            begins, ends = self.route.header.stamp, self.route.poses[-1].header.stamp
+            if self.endurance_s < math.inf and begins == ends and self.at_m == timed_places(self.route)[-1][1]:
+                self.mode = "idle"
+        elif self.docked or not self.docks:
+            self.battery = min(self.battery + passed_s / self.recharge_s, 1.0)
+
     def tell(self) -> None:
         from geometry_msgs.msg import PoseStamped
         from sensor_msgs.msg import BatteryState
@@ -140,6 +160,7 @@ class ScriptedRobot:
                 self.drive_in_time(now_s, passed_s)
             else:
                 self.drive()
+        self.use_battery(passed_s)
         pose = PoseStamped()
         pose.header.frame_id = "odom" if self.fault == "frame" else "map"
         pose.header.stamp = self.node.get_clock().now().to_msg()
@@ -149,7 +170,7 @@ class ScriptedRobot:
             y,
             z,
         )
-        self.publishers["battery_state"].publish(BatteryState(percentage=0.75))
+        self.publishers["battery_state"].publish(BatteryState(percentage=self.battery))
         self.publishers["mode"].publish(String(data=self.mode))
         self.publishers["pose"].publish(pose)
 

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 from collections.abc import Awaitable, Callable
 from contextlib import aclosing
+from dataclasses import replace
 from typing import Any
 
 import pytest
-from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying
+from tests.links.fleets import ALTITUDE_M, dropped, loop_of, plan_of, routes_of, staying
 from tests.links.ros2_robots import ScriptedRobot, on_air
+from tests.relieved import relieved, with_battery
 
 from rota.errors import LinkError
 from rota.links.link_settings import make_link
-from rota.links.sending import routes_for, send_all, start_all
+from rota.links.sending import first_reports, routes_for, send_all, start_all
 from rota.live.driving import Driving
 from rota.live.keeping import Keeping
+from rota.live.notices import Notice
+from rota.live.ready import make_ready
 from rota.live.watch import Watch
+from rota.model.plan import Plan
 from rota.ros2.node import CHOSEN_BY, stay_on_loopback
 
 pytestmark = pytest.mark.ros
@@ -172,6 +178,77 @@ def test_robots_keep_to_the_stamps_and_all_wait_for_one_that_cannot(
     # its wait lets it keep up again for a while
     assert bool(said) == bool(told)
     assert all(text in said[0] for text in told)
+
+
+def relay() -> Plan:
+    """Three robots that take turns of 40 s at a square, at 4 m/s; batteries last for 100 s and fill in 50."""
+    plan = with_battery(relieved(3), endurance_s=100.0, recharge_s=50.0, reserve_s=10.0)
+    ways = tuple(
+        replace(
+            way,
+            times_s=way.times_s / 4,
+            loop_start_s=way.loop_start_s / 4,
+            charges=tuple(replace(stay, from_s=stay.from_s / 4, until_s=stay.until_s / 4) for stay in way.charges),
+        )
+        for way in plan
+    )
+    mission = replace(plan.mission, fleet=replace(plan.mission.fleet, speed_m_s=4.0, altitude_m=ALTITUDE_M))
+    return replace(plan, mission=mission, trajectories=ways)
+
+
+def test_robots_that_charge_fly_their_flights_and_hold_their_posts_for_a_late_relief() -> None:
+    """The second robot has no battery for its flight yet when it is to relieve the first one."""
+    make_ready()
+    plan, told, at = relay(), list[Notice](), dict[str, list[tuple[float, float, float]]]()
+    places = [way.positions_m[0].tolist() for way in plan]
+    robots = [
+        ScriptedRobot(
+            way.robot.replace("-", "_"), (x, y, ALTITUDE_M), drives=True, top_m_s=5.0,
+            endurance_s=100.0, recharge_s=100.0, battery=0.05 if way.robot == "robot-2" else 1.0, docks=True,
+        )
+        for way, (x, y) in zip(plan, places, strict=True)
+    ]  # fmt: skip
+    link, watch = make_link("ros2", plan, ["use_sim_time=true", "answer_s=60"]), Watch(plan)
+
+    async def drive() -> None:
+        try:
+            await link.open()
+            await first_reports(link, link.robots)
+            await send_all(link, routes_for(plan, link))
+            await start_all(link, routes_for(plan, link))
+            driving = Driving(link, watch, Keeping(plan, {}, lead_s=link.lead_s), None, told.append)
+            await driving.drive(until_s=62.0, should_stop=lambda: False)
+        finally:
+            await link.close()
+
+    take: Any = link._inbox.offer
+
+    def note(**heard: Any) -> bool:
+        at.setdefault(heard["robot"], []).append((heard["time_s"], *heard["position_m"][:2]))
+        return bool(take(**heard))
+
+    link._inbox.offer = note
+    with on_air(*robots, times=5.0):
+        asyncio.run(drive())
+    of_reliefs = ("lands", "relief late", "does not wait", "relief comes", "takes off")
+    assert [(each.kind, each.about) for each in told if each.kind in of_reliefs] == [
+        ("lands", "robot-3"),
+        ("relief late", "robot-2"),
+        ("relief comes", "robot-2"),
+        ("takes off", "robot-2"),
+        ("lands", "robot-1"),
+    ]
+    late_s, comes_s = (next(each.time_s for each in told if each.kind == kind) for kind in of_reliefs[1:4:2])
+    assert (late_s, comes_s - late_s) == (pytest.approx(40.0, abs=4.0), pytest.approx(10.0, abs=6.0))
+    held = [place_m for at_s, *place_m in at["robot-1"] if late_s + 3 < at_s < comes_s - 0.5]
+    assert len(held) > 5
+    assert math.dist(held[0], (0, 0)) > 5
+    assert max(math.dist(held[0], place_m) for place_m in held) < 0.3
+    assert [robot.orders for robot in robots] == [
+        ["clear_route", "start", "clear_route", "dock"],
+        ["clear_route", "clear_route", "dock", "undock", "clear_route", "start"],
+        ["clear_route", "start", "clear_route", "dock"],
+    ]
 
 
 @pytest.mark.parametrize("fault", ["nan", "frame"])

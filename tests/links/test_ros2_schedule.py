@@ -73,3 +73,24 @@ def test_a_robot_that_stays_is_told_to_stay() -> None:
     assert told(1, path=path)[:2] == ([(5, 60), (20, 60)], pytest.approx([1, 4]))
     places, times_s, _ = told(50, path=path)
     assert (places, times_s) == ([(20, 60)], [50])
+
+
+def test_one_that_holds_is_told_to_be_where_it_was_first_and_to_go_on_from_there_later() -> None:
+    """It hears nothing any more where this program has gone: 30 s later it drives on by its route."""
+    schedule = Schedule(LOOP, 8.0)
+    for time_s, late_s in ((12.0, 0.0), (13.0, 0.3), (14.0, -0.7)):  # its reports lag, and places are told wrong
+        holds = schedule.ahead(Order(robot="a", late_s=late_s, behind_s=time_s - 12.0, rate=0.0), time_s, ZERO_S)
+        assert holds.places_m == ((40.0, 0.0, ALTITUDE_M),) * 2
+        assert [time_ns / 1e9 - ZERO_S for time_ns in holds.times_ns] == pytest.approx([time_s, time_s + 30])
+        assert holds.loop_ns / 1e9 - ZERO_S == pytest.approx(time_s + 30 - 12)
+    goes_on = schedule.ahead(Order(robot="a", late_s=0.0, behind_s=3.0, rate=1.0), 15.0, ZERO_S)
+    assert goes_on.places_m[:2] == ((40.0, 0.0, ALTITUDE_M), (60.0, 0.0, ALTITUDE_M))
+    assert [time_ns / 1e9 - ZERO_S for time_ns in goes_on.times_ns[:2]] == pytest.approx([15, 20])
+
+
+def test_the_clock_of_a_flight_begins_with_it() -> None:
+    """The same route as a flight that begins when the plan is 500 s old, and all are 4 s behind by then."""
+    ahead = Schedule(LOOP, 8.0, 500.0).ahead(Order(robot="a", late_s=0.0, behind_s=4.0, rate=1.0), 514.0, ZERO_S)
+    assert ahead.places_m[:2] == ((32.0, 0.0, ALTITUDE_M), (60.0, 0.0, ALTITUDE_M))
+    assert [time_ns / 1e9 - ZERO_S for time_ns in ahead.times_ns[:2]] == pytest.approx([514, 521])
+    assert ahead.loop_ns / 1e9 - ZERO_S == pytest.approx(504)

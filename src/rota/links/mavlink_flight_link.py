@@ -18,8 +18,8 @@ from rota.links.mavlink_target_link import ARMS_S, CLIMBS_M_S, OWN_SPOT_M
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.model.plan import Plan
 from rota.routes.flights import has_flights
-from rota.routes.moments import flight_after
-from rota.routes.route import Route, route_of
+from rota.routes.moments import route_after
+from rota.routes.route import Route
 
 SENDS_S = 5.0  # how long a mission may take to be sent before its copter takes off
 
@@ -47,8 +47,7 @@ class MavlinkFlightLink(MavlinkLink):
 
     def _flight_at(self, robot: str, plan_s: float) -> Route | None:
         """The flight that a robot is on, or leaves its charger for, at a moment; None: it stays on it."""
-        flight = flight_after(self._ways[robot], plan_s)
-        return None if flight is None else route_of(flight, self._altitude_m)
+        return route_after(self._ways[robot], plan_s, self._altitude_m)
 
     async def _connect(self, robot: str) -> None:
         await super()._connect(robot)

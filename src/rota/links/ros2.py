@@ -4,12 +4,14 @@ A robot publishes ``pose`` (geometry_msgs/PoseStamped), and may publish ``batter
 ``mode`` (std_msgs/String, a mode of ``rota.links.link``) and ``robot_type`` (std_msgs/String, latched). It takes
 ``route`` (nav_msgs/Path, see ``rota.links.ros2_route``) and, to keep in phase, ``schedule`` (nav_msgs/Path, see
 ``rota.links.ros2_schedule``), and serves ``get_route`` (nav_msgs/GetPlan: the route that it
-holds) and ``start``, ``pause``, ``come_home`` and ``clear_route`` (std_srvs/Trigger).
+holds) and ``start``, ``pause``, ``come_home`` and ``clear_route`` (std_srvs/Trigger). A robot that charges gets a route
+for each flight; on its charger it holds none. It may serve ``dock`` and ``undock`` (std_srvs/Trigger).
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -28,9 +30,12 @@ from rota.links.ros2_schedule import Schedule
 from rota.model.plan import Plan
 from rota.model.planner_settings import Settings, setting
 from rota.ros2.node import opened_node, require_rclpy, stay_on_loopback
+from rota.routes.moments import route_after
 from rota.routes.route import Route
 
 MOST_PENDING = 10_000  # messages that have arrived and that nobody has looked at yet
+SENDS_S = 3.0  # how long a route may take to be sent before its robot leaves its charger
+WAITS_S = 0.05  # between two looks at a clock that may be a simulator's
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +47,8 @@ class Ros2Settings(Settings):
     robot_type: str = setting("", "what robots must say on robot_type; empty: anything or nothing")
     wait_s: float = setting(10.0, "how long a robot may take to be heard", above=0, most=3600)
     answer_s: float = setting(5.0, "how long it may take to answer", above=0, most=3600)
+    dock_s: float = setting(120.0, "how long it may take to dock or undock, where it serves that", above=0, most=3600)
+    undock_s: float = setting(0.0, "how long before it leaves its charger it is told to undock", least=0, most=3600)
     start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
     use_sim_time: bool = setting(False, "time is that of /clock, as a simulator publishes it")
 
@@ -62,6 +69,7 @@ class Ros2Link(RealTimeLink):
     takes_fences = False
     drives_along = False
     keeps_phase = True
+    relieves = True
 
     def __init__(self, plan: Plan, names: dict[str, str], settings: Ros2Settings) -> None:
         super().__init__(names, plan.mission.area.bounds, settings.start_time, "ros2.start_time")
@@ -70,6 +78,11 @@ class Ros2Link(RealTimeLink):
         self._settings = settings
         self._top_m_s = {name: plan.mission.fleet.robot(name).speed_m_s for name in names}
         self._schedules: dict[str, Schedule] = {}
+        self._altitude_m = plan.mission.fleet.altitude_m
+        self._ways = {way.robot: way for way in plan if way.charges}
+        self.lead_s = SENDS_S + settings.undock_s
+        # of those that charge the moment at which the flight began that they were sent on; None: they are on a charger
+        self._left_s: dict[str, float | None] = {}
         self._robots = {robot: Ros2Robot(name=robot, namespace=namespace) for robot, namespace in names.items()}
         self._closing = ExitStack()
         self._pending = 0
@@ -131,13 +144,15 @@ class Ros2Link(RealTimeLink):
             return
         stamp_ns, now_s = nanoseconds(message.header.stamp), self._clock.now_s()
         place = message.pose.position
+        # one that charges has no route between its flights, and is where its plan has it all the same
+        mode = "running" if robot.mode == "idle" and robot.name in self._ways else robot.mode
         taken = self._inbox.offer(
             now_s=now_s,
             robot=robot.name,
             time_s=self._clock.of_unix_s(stamp_ns / NS_PER_S) if stamp_ns else now_s,
             position_m=(place.x, place.y, place.z),
             battery=robot.battery,
-            mode=robot.mode,
+            mode=mode,
         )
         if taken:
             robot.heard.set()
@@ -150,17 +165,36 @@ class Ros2Link(RealTimeLink):
     # ------------------------------------------------------------ orders
 
     async def send_route(self, route: Route) -> None:
-        """Take away what the robot holds, publish its route, and wait until it holds one."""
-        robot, path = self._robot(route.robot), timed_path(route)
+        """Take away what the robot holds, publish its route, and wait until it holds one.
+
+        Of one that charges that is its first flight; one that is on its charger gets none.
+        """
+        robot, first = self._robot(route.robot), self._first(route)
+        if first is None:
+            await robot.order("clear_route", self._settings.answer_s)
+        else:
+            await self._give(robot, first, 0.0)
+
+    def _first(self, route: Route) -> Route | None:
+        """What a robot drives first: of one that charges a flight, and on its charger nothing."""
+        way = self._ways.get(route.robot)
+        return route if way is None else route_after(way, 0.0, self._altitude_m)
+
+    async def _give(self, robot: Ros2Robot, route: Route, begins_s: float) -> None:
+        """Publish a route in the place of what the robot holds. begins_s: the plan's time at which it begins."""
+        path = timed_path(route)
         await robot.order("clear_route", self._settings.answer_s)
         await robot.hold(path, self._settings.answer_s)
         # one that has mass cannot hurry: its legs are as fast as its motors allow
-        self._schedules[route.robot] = Schedule(path, self._top_m_s[route.robot] if route.planned is None else None)
+        top_m_s = self._top_m_s[robot.name] if route.planned is None else None
+        self._schedules[robot.name] = Schedule(path, top_m_s, begins_s)
 
     async def differences(self, route: Route) -> tuple[str, ...]:
         """Ask the robot for its route, and compare it pose by pose."""
-        held = await self._robot(route.robot).held(self._settings.answer_s)
-        return path_differences(timed_path(route), held)
+        first, held = self._first(route), await self._robot(route.robot).held(self._settings.answer_s)
+        if first is None:
+            return ("it holds a route on its charger",) if held.places_m else ()
+        return path_differences(timed_path(first), held)
 
     async def clear_route(self, robot: str) -> None:
         """Call the robot's clear_route."""
@@ -168,14 +202,49 @@ class Ros2Link(RealTimeLink):
         await self._robot(robot).order("clear_route", self._settings.answer_s)
 
     async def start(self, robot: str) -> None:
-        """Call the robot's start."""
-        await self._robot(robot).order("start", self._settings.answer_s)
+        """Call the robot's start; one that begins on its charger stays there until ``keep`` has it leave."""
+        if robot not in self._ways or robot in self._schedules:
+            await self._robot(robot).order("start", self._settings.answer_s)
 
     async def keep(self, order: Order) -> None:
-        """By a schedule, which takes the place of the one before; nothing for a robot whose route is not from here."""
-        schedule = self._schedules.get(order.robot)
-        if schedule is not None:
-            self._robot(order.robot).be_in_time(schedule.ahead(order, self.time_s, self.begun_s))
+        """By a schedule, which takes the place of the one before; nothing for a robot whose route is not from here.
+
+        One that comes to its charger loses its route and docks; one that is to leave undocks and gets that of its next
+        flight, which it starts when it is time. Robots that serve neither stand on their chargers.
+        """
+        robot, schedule = self._robot(order.robot), self._schedules.get(order.robot)
+        if order.dock is None:
+            if schedule is not None:
+                robot.be_in_time(schedule.ahead(order, self.time_s, self.begun_s))
+        elif not order.dock.leaves:
+            await self._stay(robot)
+        elif self._left_s.get(order.robot) != order.dock.plan_s:
+            await self._leave(robot, order.dock.plan_s, order.behind_s)
+
+    async def _stay(self, robot: Ros2Robot) -> None:
+        """Take the robot's route away, and let it dock, once."""
+        if self._left_s.get(robot.name, math.inf) is None:
+            return
+        self._schedules.pop(robot.name, None)
+        await robot.order("clear_route", self._settings.answer_s)
+        if robot.serves("dock"):
+            await robot.order("dock", self._settings.dock_s)
+        self._left_s[robot.name] = None
+
+    async def _leave(self, robot: Ros2Robot, plan_s: float, behind_s: float) -> None:
+        """Let the robot undock, hold the route of its flight, and start when the clock of all says so."""
+        route = route_after(self._ways[robot.name], plan_s, self._altitude_m)
+        if route is None:
+            return
+        if robot.serves("undock"):
+            await robot.order("undock", self._settings.dock_s)
+        await self._give(robot, route, plan_s)
+        if found := path_differences(timed_path(route), await robot.held(self._settings.answer_s)):
+            raise LinkError(f"robot {robot.name}: read back, the route of its flight is another one: {found[0]}")
+        while (left_s := plan_s + behind_s - self.time_s) > 0:
+            await asyncio.sleep(min(left_s, WAITS_S))
+        await robot.order("start", self._settings.answer_s)
+        self._left_s[robot.name] = plan_s
 
     async def pause(self, robot: str) -> None:
         """Call the robot's pause."""

@@ -16,7 +16,7 @@ from rota.links.ros2_route import NS_PER_S, TimedPath
 
 ASK_AGAIN_S = 0.05
 MOST_WORDS = 200  # of what a robot says, in messages
-ORDERS = ("start", "pause", "come_home", "clear_route")
+ORDERS = ("start", "pause", "come_home", "clear_route", "dock", "undock")
 
 # what arrives on a topic, and what to do with it, in the event loop
 Deliver = Callable[[Callable[[], None]], None]
@@ -84,6 +84,10 @@ class Ros2Robot:
         if not answer.success:
             said = answer.message[:MOST_WORDS] or "it gives no reason"
             raise LinkError(f"robot {self.name}: {what}: it refuses: {said}")
+
+    def serves(self, what: str) -> bool:
+        """Whether the robot serves one of ``ORDERS``, as far as is known by now."""
+        return bool(self._orders[what].service_is_ready())
 
     async def hold(self, path: TimedPath, limit_s: float) -> None:
         """Publish a route, and wait until the robot holds one; LinkError where it does not in time."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Sensor
 from rota.model.plan import Charge, Driven, Trajectory
+from rota.routes.route import Route, route_of
 
 Floats = NDArray[np.float64]
 
@@ -146,6 +147,12 @@ def flight_after(trajectory: Trajectory, at_s: float) -> Trajectory | None:
         loop_start_s=ends_s,
         charges=(replace(lands, until_s=ends_s),),
     )
+
+
+def route_after(trajectory: Trajectory, at_s: float, altitude_m: float) -> Route | None:
+    """The route of ``flight_after``, at the fleet's altitude; None: the robot is on a charger then."""
+    flight = flight_after(trajectory, at_s)
+    return None if flight is None else route_of(flight, altitude_m)
 
 
 def _ends_docked(trajectory: Trajectory) -> bool:
