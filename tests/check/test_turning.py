@@ -11,8 +11,9 @@ from shapely import MultiPolygon, box
 
 from rota.check.motion import motion_violations
 from rota.check.report import Violation
-from rota.model.mission import DiscSensor, Fleet, Mission
-from rota.model.plan import Plan, Trajectory
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission
+from rota.model.plan import Charge, Plan, Trajectory
 
 Floats = NDArray[np.float64]
 RADIUS_M = 5.0
@@ -87,3 +88,21 @@ def test_many_turns_below_rounding_add_up() -> None:
 def test_robots_that_stay_or_never_turn_are_fine() -> None:
     assert violations([[0, 0]]) == []
     assert violations([[0, 0], [10, 0], [20, 0]], loop_from=2) == []
+
+
+@pytest.mark.parametrize(("charged_at", "places_m"), [((0, 1), []), ((0,), [(0.0, 0.0)]), ((1,), [(20.0, 0.0)])])
+def test_on_a_charger_a_robot_is_turned(charged_at: tuple[int, ...], places_m: list[tuple[float, float]]) -> None:
+    """To and fro, with 10 s at either end: where that is on a charger, the seam included, it goes back as it came."""
+    mission = Mission(
+        name="m", area=MultiPolygon([box(-100, -100, 100, 100)]), period_s=1,
+        fleet=Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=1), turn_radius_m=RADIUS_M,
+                    battery=BatteryLimits(endurance_s=500, recharge_s=1)),
+        chargers=(Charger(name="b", at=(20, 0), places=1), Charger(name="a", at=(0, 0), places=1)),
+    )  # fmt: skip
+    stays = (Charge(charger="b", from_s=20.0, until_s=30.0), Charge(charger="a", from_s=50.0, until_s=60.0))
+    trajectory = Trajectory(
+        robot="a", times_s=np.array([0.0, 20, 30, 50, 60]),
+        positions_m=np.array([[0.0, 0], [20, 0], [20, 0], [0, 0], [0, 0]]), charges=tuple(stays[k] for k in charged_at),
+    )  # fmt: skip
+    found = motion_violations(Plan(mission=mission, trajectories=(trajectory,)))
+    assert [(one.kind, one.place_m) for one in found] == [("turn radius", place_m) for place_m in places_m]

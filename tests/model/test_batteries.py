@@ -14,6 +14,7 @@ from rota import BounceSettings
 from rota.errors import MissionError, PlanError
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Obstacle
+from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Charge, Plan, Trajectory
 
 PAD = Charger(name="pad", at=(5, 5))
@@ -45,7 +46,11 @@ WALL = Obstacle(shape=MultiPolygon([box(10, 10, 20, 20)]))
             r"chargers\[1\].at: \[6, 5\] is 1 m from chargers\[0\]; bodies need 2 m",
         ),
         ((PAD,), {"battery": BatteryLimits(endurance_s=9)}, "fleet.recharge_s: is missing; charger 'pad' swaps no"),
-        ((PAD,), {"turn_rate_rad_s": 1}, "fleet.turn_rate_rad_s: robots that charge turn and change their speed at"),
+        (
+            (PAD,),
+            {"motion": MotionLimits(vehicle="arducopter", acceleration_m_s2=1)},
+            "fleet.vehicle: robots that charge are not planned for as their firmware flies missions",
+        ),
         ((PAD,), {"planning": BounceSettings(cell_m=1)}, "fleet.endurance_s: the bounce planner plans no charging"),
     ],
 )

@@ -12,7 +12,7 @@ from rota.check.report import Violation, violation
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.check.turning import turn_radius_violations, turn_violations
 from rota.model.mission import Robot
-from rota.model.plan import Driven, Plan, Trajectory
+from rota.model.plan import Charge, Driven, Plan, Trajectory
 
 ROWS = 12  # of what was driven last: enough for what a corner or a jump of speed takes of the legs beside it
 
@@ -63,6 +63,7 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
         headings_rad=None,
         waypoints=None,
         loop_start_s=trajectory.loop_start_s + lasts_s,
+        charges=_charges_across(driven, trajectory, -lasts_s),
     )
     found = turn_violations(joined, robot) + turn_radius_violations(joined, robot)
     found += acceleration_violations(joined, robot)
@@ -75,3 +76,11 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
         for one in found
         if one.time_s is not None and since_s - slack_s <= one.time_s <= lasts_s + slack_s
     ]
+
+
+def _charges_across(driven: Driven, trajectory: Trajectory, from_s: float) -> tuple[Charge, ...]:
+    """The charges of what was driven from a moment on, and of the trajectory, with times from that moment on."""
+    before = [replace(one, from_s=max(one.from_s, from_s)) for one in driven.charges if one.until_s > from_s]
+    return tuple(
+        replace(one, from_s=one.from_s - from_s, until_s=one.until_s - from_s) for one in (*before, *trajectory.charges)
+    )

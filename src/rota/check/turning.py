@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.charging import docked_rows
 from rota.check.report import Violation, violation
 from rota.check.tolerances import (
     FLOAT_EPS,
@@ -85,8 +86,9 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
     A curve of arcs with the turn radius r and of straight lines must run within r / 200 of the legs. An arc that
     touches both legs of a corner with turn a leaves it by r (1 / cos(a / 2) - 1), and takes r tan(a / 2) of each leg;
     what the two corners of a leg take must not overlap. So a turn is at most 11.4 degrees, and legs are long enough.
-    Legs in a straight row are one. Standing still does not help: such a robot cannot turn on the spot. The value is the
-    radius in metres that the corner's legs leave room for; 0 where the turn is too sharp.
+    Legs in a straight row are one. Standing still does not help: such a robot cannot turn on the spot. On a charger it
+    can be turned: it takes off in any heading. The value is the radius in metres that the corner's legs leave room for;
+    0 where the turn is too sharp.
     """
     radius_m = robot.turn_radius_m
     if radius_m == 0:
@@ -99,7 +101,11 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
     if len(legs) < 2:
         return []
     angle, noise = _turns_rad(steps, lengths, legs[:-1], legs[1:], float(np.abs(xy).max()))
-    corners = _real_corners(angle, noise)
+    from_charger = np.zeros(len(angle), np.bool_)
+    if trajectory.charges:
+        from_charger = _leave_chargers(trajectory, legs)
+        angle[from_charger] = 0.0
+    corners = np.union1d(_real_corners(angle, noise), np.flatnonzero(from_charger))
     # of each straight row of legs: its length, and how much its two corners take for a radius of 1
     row_m = np.add.reduceat(lengths[legs], np.concatenate([[0], corners + 1]))
     half = np.tan(np.minimum(angle[corners], math.pi / 2) / 2)
@@ -119,6 +125,16 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
         found = violation("turn radius", robot.name, place, when, float(fits_m[k]), radius_m, "m")
         violations.setdefault(m, found)  # the second round of a loop has the same again
     return list(violations.values())[:MOST_PER_ROBOT]
+
+
+def _leave_chargers(trajectory: Trajectory, legs: Ints) -> NDArray[np.bool_]:
+    """Before which of the legs (k,) but the first, in the order in which they are driven, a robot is on a charger."""
+    docked = docked_rows(trajectory.times_s, trajectory.charges)
+    until = np.concatenate([[0], np.cumsum(docked)])
+    before, after = legs[:-1], legs[1:]
+    stays = until[after] - until[before + 1]
+    over_seam = until[-1] - until[before + 1] + until[after] - until[trajectory.loop_index]
+    return np.asarray(np.where(after > before, stays, over_seam) > 0)
 
 
 def _real_corners(angle: Floats, noise: Floats) -> Ints:

@@ -6,9 +6,9 @@ from rota.errors import RotaError
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.facts import Vehicle
 from rota.vehicles.motion import MotionModel
-from rota.vehicles.presets import ARDUCOPTER, ARDUCOPTER_TUNED
+from rota.vehicles.presets import ON_MISSIONS
 
-MODELS = {ARDUCOPTER.name: ArduPilotAuto, ARDUCOPTER_TUNED.name: ArduPilotAuto}
+MODELS = dict.fromkeys(ON_MISSIONS, ArduPilotAuto)
 
 
 def model_of(vehicle: Vehicle) -> MotionModel:

@@ -134,6 +134,8 @@ VEHICLES = {
     )
 }
 
+ON_MISSIONS = (ARDUCOPTER.name, ARDUCOPTER_TUNED.name)  # planned for as their firmware flies missions: models.MODELS
+
 
 def vehicle_named(name: str, where: str = "--vehicle") -> Vehicle:
     """The vehicle of a name; raises RotaError for others, which says ``where`` it was given."""

@@ -72,7 +72,12 @@ def plan_that_charges(
 
 
 def _most_on_circuits(mission: Mission, relieved: Plan | NoPlanFound, bound: int) -> int:
-    """How many robots on circuits would be better than turns at loops; 0 where they can hardly be so few."""
+    """How many robots on circuits would be better than turns at loops; 0 where they can hardly be so few.
+
+    Of robots with a turn radius no circuits are made.
+    """
+    if mission.fleet.equal_robot("robot-1").turn_radius_m > 0:
+        return 0
     named = mission.fleet.robots
     if isinstance(relieved, Plan):
         most = len(relieved) - 1 if named is None else 0

@@ -21,16 +21,20 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.mission import AREA, Charger, Mission, Zone, inner_reach_m
+from rota.model.mission import AREA, Charger, Mission, Robot, Zone, inner_reach_m
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady
 from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fixed_team.one_loop import ample_s
 from rota.planners.patrol.relief.relieve import without_batteries
 from rota.planners.patrol.relief.slots import MOMENT
+from rota.planners.patrol.relief.ways import drives_at_once
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SAME_TIME_S, SLOWER
+from rota.planners.patrol.traffic.starts.approaches import timed_approach, without_short_legs
 
 Floats = NDArray[np.float64]
 
@@ -76,7 +80,7 @@ def circuits_of(
     if len(plan) > 1:
         raise NoPlanFound("one robot cannot come past all ground of one period")
     loop = plan.trajectories[0]
-    speed_m_s = mission.fleet.equal_robot("robot-1").ground_speed_m_s * SLOWER
+    speed_m_s = driving_of(mission.fleet.equal_robot("robot-1")).pace_m_s * SLOWER
     chargers_m = np.array([charger.at for charger in mission.chargers])
     line_m = with_places_beside(loop.positions_m[loop.loop_index :, :2], chargers_m)
     ways_s = paths.distances(chargers_m, line_m) / speed_m_s
@@ -176,16 +180,34 @@ def _circuit(charger: Charger, parts_m: Sequence[Floats], period_s: float, missi
     Who comes from a charger to a place beside it has not been there unless it stays, which a wing cannot.
     """
     robot, battery = mission.fleet.equal_robot("robot-1"), mission.fleet.battery
-    line_m = np.vstack(list(parts_m))
-    steps_s = np.hypot(*np.diff(line_m, axis=0).T) / (robot.ground_speed_m_s * SLOWER)
     stays_s = MOMENT * period_s if len(parts_m[1]) == 1 and battery.can_stand else 0.0
-    steps_s[len(parts_m[0])] += stays_s  # from the corner to the beginning of the way back, which is there too
-    kept = np.concatenate([[True], steps_s * robot.ground_speed_m_s > SAME_PLACE_M])
-    times_s, places_m = np.concatenate([[0.0], np.cumsum(steps_s)])[kept], line_m[kept]
-    places_m[-1] = charger.at
-    line = steady(times_s, places_m)
+    if drives_at_once(robot):
+        line = _at_once(parts_m, stays_s, robot.ground_speed_m_s * SLOWER)
+    else:
+        ways_m = [np.vstack(parts_m[:2]), parts_m[2]] if stays_s else [np.vstack(parts_m)]
+        ways = [_in_motion(way_m, robot) for way_m in ways_m]
+        waits = steady(np.array([0.0, stays_s]), np.repeat(parts_m[1][:1], 2, axis=0))
+        line = chain(ways[0], waits, ways[1]) if stays_s else ways[0]
+    line.places_m[-1] = charger.at
     used_s = line.duration_s + stays_s * max(0.0, battery.standing_uses - 1)
     return Circuit(charger=charger, line=line, most_s=period_s, used_s=used_s)
+
+
+def _at_once(parts_m: Sequence[Floats], stays_s: float, speed_m_s: float) -> TimedLine:
+    """The line of a circuit at one speed; at the first corner a robot stays so long."""
+    line_m = np.vstack(list(parts_m))
+    steps_s = np.hypot(*np.diff(line_m, axis=0).T) / speed_m_s
+    steps_s[len(parts_m[0])] += stays_s  # from the corner to the beginning of the way back, which is there too
+    kept = np.concatenate([[True], steps_s * speed_m_s / SLOWER > SAME_PLACE_M])
+    return steady(np.concatenate([[0.0], np.cumsum(steps_s)])[kept], line_m[kept])
+
+
+def _in_motion(line_m: Floats, robot: Robot) -> TimedLine:
+    """The line of a robot with mass, or that takes time to turn, from rest to rest."""
+    line_m = without_short_legs(line_m)
+    if len(line_m) == 1:
+        return steady(np.zeros(1), line_m)
+    return Rounded(robot).way(line_m, cuts=True) if robot.motion.has_mass else timed_approach(line_m, robot).line
 
 
 def least_on_circuits(mission: Mission, busy_per_s: float) -> float:

@@ -90,9 +90,13 @@ class Rounded:
     def _rows(self, corners_m: Floats) -> Floats:
         return np.asarray(kernels.timed_rows(corners_m, True, self.step_s, self.limits))
 
-    def way(self, line_m: Floats) -> TimedLine:
-        """A way along an open polyline (n, 2) without legs of no length, from rest to rest; it stops at its corners."""
-        return _line(kernels.timed_rows(line_m, False, self.step_s, self.limits._replace(cut_m=0.0)))
+    def way(self, line_m: Floats, *, cuts: bool = False) -> TimedLine:
+        """A way along an open polyline (n, 2) without legs of no length, from rest to rest; it stops at its corners.
+
+        cuts: or cuts them, as on rounds.
+        """
+        limits = self.limits if cuts else self.limits._replace(cut_m=0.0)
+        return _line(kernels.timed_rows(line_m, False, self.step_s, limits))
 
     def run_up(self, place_m: Floats, direction: Floats, speed_m_s: float) -> TimedLine:
         """A start from rest that gets to a place (2,), in a direction (2,) of length 1, at a speed; one row for 0."""

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.model.plan import Trajectory
+
 Floats = NDArray[np.float64]
 
 
@@ -50,6 +52,30 @@ class TimedLine(NamedTuple):
 def steady(times_s: Floats, places_m: Floats) -> TimedLine:
     """A timed line whose legs are driven at constant speeds."""
     return TimedLine(times_s, places_m, np.zeros(len(times_s) - 1))
+
+
+def round_of(trajectory: Trajectory) -> TimedLine:
+    """A trajectory's round, from where it begins."""
+    first, changes = trajectory.loop_index, trajectory.accelerations_m_s2
+    line = steady(trajectory.times_s[first:] - trajectory.times_s[first], trajectory.positions_m[first:, :2])
+    return line if changes is None else line._replace(accelerations_m_s2=changes[first:])
+
+
+def stretch(line: TimedLine, slower: float) -> TimedLine:
+    """The same way in ``slower`` times the time."""
+    return TimedLine(line.times_s * slower, line.places_m, line.accelerations_m_s2 / slower**2)
+
+
+def chain(*lines: TimedLine) -> TimedLine:
+    """Lines one after the other; each begins where the one before ends."""
+    begins_s = np.cumsum([0.0, *(line.duration_s for line in lines)])
+    times_s = [begins + line.times_s[1:] for begins, line in zip(begins_s, lines, strict=False)]
+    places_m = [line.places_m[1:] for line in lines]
+    return TimedLine(
+        np.concatenate([[0.0], *times_s]),
+        np.vstack([lines[0].places_m[:1], *places_m]),
+        np.concatenate([line.accelerations_m_s2 for line in lines]),
+    )
 
 
 def start_at(line: TimedLine, phase_s: float) -> TimedLine:

@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import NoPlanFound
-from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
@@ -27,6 +26,7 @@ from rota.planners.patrol.relief.slots import (
     without_waits,
 )
 from rota.planners.patrol.relief.turns import rotations_of
+from rota.planners.patrol.relief.ways import Ways, drives_at_once
 from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
@@ -81,13 +81,14 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
     slots = slots_of(loops, ratio)
     slower = slower_slots(loops, slots, judge)
-    hasty = without_waits(slower, mission.fleet.equal_robot("robot-1").ground_speed_m_s)
+    robot = mission.fleet.equal_robot("robot-1")
+    hasty = without_waits(slower, robot.ground_speed_m_s) if drives_at_once(robot) else slower
     tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
-    found: Plan | None = None
+    ways, found = Ways(robot, PathsByBody(mission)), None
     for tried, number in itertools.product(
         (hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)
     ):
-        team = _Team(mission, tried)
+        team = _Team(mission, tried, ways)
         robots = team.trajectories(team.cycles(), seed + number, varied=number > 0)
         found = replace(loops, mission=mission, trajectories=tuple(robots))
         if judge(found).verdict == "met":
@@ -104,12 +105,11 @@ def nearest_s(handovers: Sequence[Handovers]) -> float:
 class _Team:
     """The slots of a mission, and from where chargers are near."""
 
-    def __init__(self, mission: Mission, slots: Sequence[Slot]) -> None:
+    def __init__(self, mission: Mission, slots: Sequence[Slot], ways: Ways) -> None:
         self._mission, self._slots = mission, slots
         self._robot = mission.fleet.equal_robot("robot-1")
-        body_m, speed_m_s = self._robot.body_radius_m, self._robot.ground_speed_m_s
-        self._paths: ShortestPaths = PathsByBody(mission).paths(body_m)
-        self._handovers = handovers_of(slots, mission.chargers, self._paths, speed_m_s)
+        self._ways = ways
+        self._handovers = handovers_of(slots, mission.chargers, ways)
         self._clearance_s = clearance_of(mission)
         # who comes from a charger to a place beside it has not been there unless it stays for a moment
         self._slots = [
@@ -209,6 +209,6 @@ class _Team:
             trajectory
             for rotation, own in rotations
             for trajectory in trajectories_of(
-                rotation, self._slots, own, self._paths, list(itertools.islice(names, rotation.robots))
+                rotation, self._slots, own, self._ways, list(itertools.islice(names, rotation.robots))
             )
         ]

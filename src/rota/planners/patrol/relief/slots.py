@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady, stretch
+from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
 from rota.planners.patrol.verdict import Judge
 
@@ -38,6 +38,10 @@ class Slot:
     keeps_step: bool
     passes: float
 
+    def slower(self, round_s: float) -> float:
+        """By how much longer a round takes than as fast as it can be driven; 1 where its robot stays."""
+        return 1.0 if self.line.stays else round_s / self.line.duration_s
+
     def uses(self, battery: BatteryLimits) -> float:
         """Seconds of driving that a second there takes: as much as of standing, as far as that takes more."""
         standing = 1.0
@@ -61,6 +65,11 @@ class Handovers:
         """The one from which the charger is nearest."""
         return int(np.argmin(self.ways_s))
 
+    def at_phase(self, phase_s: float, lasts_s: float) -> int:
+        """The one at a phase, or nearest to it, of a round of so many seconds."""
+        apart_s = np.abs(self.phases_s - phase_s) % lasts_s if lasts_s else self.phases_s
+        return int(np.argmin(np.minimum(apart_s, lasts_s - apart_s)))
+
     def nearest_parts(self, lasts_s: float, parts: int) -> tuple[list[int], float]:
         """Those that cut the round, of so many seconds, in equal parts with the shortest longest way, and that way."""
         even = np.searchsorted(self.phases_s, np.arange(SPOTS) * (lasts_s / SPOTS) - SAME_TIME_S)
@@ -75,8 +84,7 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
     durations_s = np.array([one.loop_duration_s for one in plan])
     slots = []
     for one, lasts_s in zip(plan, durations_s, strict=True):
-        first = one.loop_index
-        line = steady(one.times_s[first:] - one.times_s[first], one.positions_m[first:, :2])
+        line = round_of(one)
         if lasts_s == 0:  # a robot that stays sees all that it sees whenever one comes there
             most_s = asked_periods_s(plan.mission)[0]
             least_s = 0.0 if only_visits(plan.mission) else MOMENT * most_s
@@ -120,9 +128,13 @@ def slower_slots(plan: Plan, slots: Sequence[Slot], judge: Judge) -> list[Slot]:
 
 def slowest(one: Trajectory, slot: Slot) -> Trajectory:
     """The trajectory of a slot's robot when a round takes as long as it may."""
-    times_s = slot.line.times_s * (slot.most_s / slot.line.duration_s)
-    times_s[-1] = slot.most_s
-    return replace(one, times_s=times_s, positions_m=slot.line.places_m, loop_start_s=0.0, waypoints=None)
+    line = stretch(slot.line, slot.slower(slot.most_s))
+    line.times_s[-1] = slot.most_s
+    changes = line.accelerations_m_s2 if line.accelerations_m_s2.any() else None
+    return replace(
+        one, times_s=line.times_s, positions_m=line.places_m, accelerations_m_s2=changes, loop_start_s=0.0,
+        waypoints=None,
+    )  # fmt: skip
 
 
 def without_waits(slots: Sequence[Slot], speed_m_s: float) -> list[Slot]:
@@ -149,21 +161,21 @@ def asked_periods_s(mission: Mission) -> list[float]:
     return sorted({p for p in (mission.period_s, *(zone.period_s for zone in mission.zones)) if p is not None})
 
 
-def handovers_of(
-    slots: Sequence[Slot], chargers: Sequence[Charger], paths: ShortestPaths, speed_m_s: float
-) -> list[list[Handovers]]:
-    """Of each slot, for each charger, where robots may change; inf where no path leads."""
+def handovers_of(slots: Sequence[Slot], chargers: Sequence[Charger], ways: Ways) -> list[list[Handovers]]:
+    """Of each slot, for each charger, where robots may change; inf where no path leads, or walls leave no room."""
     spots = [spots_s(slot.line) for slot in slots]
     places = [slot.line.at(phases_s) for slot, phases_s in zip(slots, spots, strict=True)]
-    lengths_m = paths.distances(np.array([charger.at for charger in chargers]), np.vstack(places))
-    ends = np.cumsum([len(phases_s) for phases_s in spots])[:-1]
-    of_slots = np.split(lengths_m / speed_m_s, ends, axis=1)
+    chargers_m = np.array([charger.at for charger in chargers])
+    lasts_s = [
+        ways.last_s(slot.line, phases_s, chargers_m, slot.slower(slot.most_s))
+        for slot, phases_s in zip(slots, spots, strict=True)
+    ]
     return [
         [
             Handovers(charger=charger, phases_s=phases_s, places_m=places_m, ways_s=ways_s[k])
             for k, charger in enumerate(chargers)
         ]
-        for phases_s, places_m, ways_s in zip(spots, places, of_slots, strict=True)
+        for phases_s, places_m, ways_s in zip(spots, places, lasts_s, strict=True)
     ]
 
 

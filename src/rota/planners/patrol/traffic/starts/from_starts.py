@@ -13,13 +13,13 @@ from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.model.mission import Mission, Robot, StartBox, StartPoints
 from rota.model.plan import Plan
-from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, largest_matching, least_squares
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.traffic.starts.places import MOST_CANDIDATES, in_turn
-from rota.planners.patrol.traffic.starts.run_ups import join_in_motion, round_of
+from rota.planners.patrol.traffic.starts.run_ups import join_in_motion
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
 Floats = NDArray[np.float64]

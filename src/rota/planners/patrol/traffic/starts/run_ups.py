@@ -9,7 +9,6 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, free_segments
 from rota.model.mission import Robot
-from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
@@ -43,16 +42,6 @@ def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
     k = int(np.flatnonzero(free)[0]) if free.any() else int(np.argmin(np.where(lengths > 0, speeds, np.inf)))
     at_s = float(line.times_s[k])
     return Joining(start_at(line, at_s), at_s, run_ups[k])
-
-
-def round_of(trajectory: Trajectory) -> TimedLine:
-    """A trajectory that loops from its very start, as a round."""
-    changes = trajectory.accelerations_m_s2
-    return TimedLine(
-        trajectory.times_s,
-        trajectory.positions_m,
-        np.zeros(len(trajectory.times_s) - 1) if changes is None else changes,
-    )
 
 
 def join_in_motion(

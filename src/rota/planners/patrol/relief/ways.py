@@ -1,0 +1,201 @@
+"""Ways between chargers and rounds as robots can drive them: corners, turns, curves, and run-ups to a round's speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import PlanError
+from rota.geometry.kernels import free_segments
+from rota.model.mission import Robot
+from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
+from rota.planners.patrol.tolerances import SAME_PLACE_M
+from rota.planners.patrol.tours.curve_kernels import STEP_RAD
+from rota.planners.patrol.traffic.starts.approaches import timed_approach
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+
+Floats = NDArray[np.float64]
+
+MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a battery lasts for whole rounds from there
+
+
+def drives_at_once(robot: Robot) -> bool:
+    """Whether a robot turns and changes its speed in no time."""
+    return robot.turn_rate_rad_s is None and robot.turn_radius_m == 0 and not robot.motion.has_mass
+
+
+class Motion(NamedTuple):
+    """How a round is driven at a place (2,): in a direction (2,) of length 1, and how fast; no direction: it stays.
+
+    aside_s: seconds from there to the nearer end of the leg; inf at an end itself.
+    """
+
+    place_m: Floats
+    direction: Floats | None
+    speed_m_s: float
+    aside_s: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Way:
+    """A way from rest at a charger into a moving round: the line to where a run-up begins, and the run-up.
+
+    The run-up is for a round as fast as it can be driven. One row: none is needed.
+    """
+
+    line: TimedLine
+    run_up: TimedLine
+
+    def lasts_s(self, slower: float) -> float:
+        """Seconds to a round that takes ``slower`` times as long."""
+        return self.line.duration_s + slower * self.run_up.duration_s
+
+    def line_to(self, slower: float) -> TimedLine:
+        """The way to such a round. Its run-up takes as much longer: so it ends as fast as the round goes."""
+        return chain(self.line, stretch(self.run_up, slower))
+
+
+class Ways:
+    """The ways of robots of one kind between chargers and places of rounds."""
+
+    def __init__(self, robot: Robot, paths_by_body: PathsByBody) -> None:
+        self._robot, self._paths_by_body = robot, paths_by_body
+        self._paths = paths_by_body.paths(robot.body_radius_m)
+        self._at_once = drives_at_once(robot)
+        self._known: dict[bytes, Way | None] = {}
+
+    def last_s(self, line: TimedLine, phases_s: Floats, chargers_m: Floats, slower: float) -> Floats:
+        """How long ways take (c, k) from chargers (c, 2) into a round at its phases (k,), or back, whichever is longer.
+
+        slower: by how much longer than ``line`` its rounds may take. inf: no way leads there, or it was not looked for,
+        since there are nearer ones and a battery lasts for whole rounds.
+        """
+        straight_s = self._paths.distances(chargers_m, line.at(phases_s)) / self._robot.ground_speed_m_s
+        if self._at_once:
+            return straight_s
+        both = list(zip(*(motions_of(line, phases_s, before=before) for before in (False, True)), strict=True))
+        found = np.full(straight_s.shape, np.inf)
+        for own_s, nearest_s, charger_m in zip(found, straight_s, chargers_m, strict=True):
+            for n, k in enumerate(np.argsort(nearest_s, kind="stable")):
+                rest_s = self._robot.battery.usable_s - line.duration_s * slower
+                if n >= MOST_LOOKED_AT and 2 * float(own_s.min()) <= rest_s:
+                    break
+                own_s[k] = self._longer_s(charger_m, both[k], slower)
+        return found
+
+    def _longer_s(self, charger_m: Floats, both: Sequence[Motion], slower: float) -> float:
+        """Seconds of the longer of the ways there and back; inf: there is none."""
+        ways = [self._way(charger_m, at) for at in both]
+        return max(math.inf if way is None else way.lasts_s(slower) for way in ways)
+
+    def into(self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float) -> TimedLine:
+        """The way from a charger into a round that is ``slower`` times as long as its line; lasts_s: at most."""
+        return self._way_at(charger_m, line, phase_s, slower, lasts_s, before=False)
+
+    def back(self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float) -> TimedLine:
+        """The way out of such a round, and to the charger."""
+        return self._way_at(charger_m, line, phase_s, slower, lasts_s, before=True).backwards()
+
+    def _way_at(
+        self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float, *, before: bool
+    ) -> TimedLine:
+        """The way from a charger to where a round is at a phase, on or backwards from there."""
+        [at] = motions_of(line, np.array([phase_s]), before=before)
+        if self._at_once:
+            way_m = self._paths.path(charger_m, at.place_m)
+            return steady(_shares(way_m) * lasts_s, way_m)
+        way = self._way(charger_m, at)
+        assert way is not None, "a handover with a way has one"
+        return way.line_to(slower)
+
+    def _way(self, charger_m: Floats, at: Motion) -> Way | None:
+        """The way from a charger (2,) into a round, kept for the next time; None: walls leave no room for it."""
+        heading = np.zeros(2) if at.direction is None else at.direction
+        key = np.concatenate([charger_m, at.place_m, heading, [at.speed_m_s]]).tobytes()
+        if key not in self._known:
+            self._known[key] = self._new_way(charger_m, at)
+        return self._known[key]
+
+    def _new_way(self, charger_m: Floats, at: Motion) -> Way | None:
+        """The same, looked for."""
+        if self._within_curve(at):
+            return None
+        run_up = steady(np.zeros(1), at.place_m[None])
+        if self._robot.motion.has_mass and at.direction is not None:
+            run_up = Rounded(self._robot).run_up(at.place_m, at.direction, at.speed_m_s)
+            if not free_segments(run_up.places_m[:1], at.place_m[None], self._paths.grid)[0]:
+                return None
+        begins_m = run_up.places_m[0]
+        if np.hypot(*(begins_m - charger_m)) <= SAME_PLACE_M:
+            return Way(line=steady(np.zeros(1), begins_m[None]), run_up=run_up)
+        onward_m = None if at.direction is None else begins_m + at.direction
+        try:
+            line_m = self._paths_by_body.line(self._robot, charger_m, begins_m, onward_m)
+        except PlanError:
+            return None
+        if self._robot.turn_radius_m and not free_segments(line_m[:-1], line_m[1:], self._paths.grid).all():
+            return None
+        line = timed_approach(line_m, self._robot, None if self._robot.turn_radius_m else onward_m).line
+        return Way(line=self._with_turn(line, onward_m), run_up=run_up)
+
+    def _within_curve(self, at: Motion) -> bool:
+        """Whether a place may be so near to the end of a leg of a curve that what is left of the leg is no tangent."""
+        radius_m = self._robot.turn_radius_m
+        if radius_m > 0:
+            return at.aside_s * at.speed_m_s < radius_m * STEP_RAD
+        return self._robot.motion.has_mass and at.aside_s < Rounded(self._robot).step_s / 2
+
+    def _with_turn(self, line: TimedLine, onward_m: Floats | None) -> TimedLine:
+        """The line of a robot with mass, with the time to turn on to its run-up; others have it in their lines."""
+        if onward_m is None or line.stays or not self._robot.motion.has_mass:
+            return line
+        steps_m = np.diff(line.places_m, axis=0)
+        before, after = steps_m[np.hypot(*steps_m.T) > 0][-1], onward_m - line.places_m[-1]
+        turn_rad = abs(math.atan2(before[0] * after[1] - before[1] * after[0], before @ after))
+        pause_s = turn_rad * Rounded(self._robot).limits.turn_s
+        return chain(line, steady(np.array([0.0, pause_s]), line.places_m[[-1, -1]])) if pause_s > 0 else line
+
+
+def _shares(line_m: Floats) -> Floats:
+    """How far along a polyline (k, 2) its corners lie, in 0..1."""
+    along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line_m, axis=0).T))])
+    return along_m / along_m[-1] if along_m[-1] > 0 else np.linspace(0.0, 1.0, len(line_m))
+
+
+def motions_of(line: TimedLine, phases_s: Floats, *, before: bool) -> list[Motion]:
+    """How a round is driven at some of its phases (k,), on from there; before: backwards from there.
+
+    Who turns there or waits has not turned yet, or not turned back: it looks where it goes next.
+    """
+    if line.stays:
+        return [Motion(line.places_m[0], None, 0.0, math.inf) for _ in phases_s]
+    steps_m, lasts_s = np.diff(line.places_m, axis=0), np.diff(line.times_s)
+    lengths_m, count = np.hypot(*steps_m.T), len(lasts_s)
+    moves = np.flatnonzero(lengths_m > 0)
+    at_s = np.mod(phases_s, line.duration_s)
+    nearest_s = line.times_s[np.abs(line.times_s - at_s[:, None]).argmin(axis=1)]
+    # as a round begins that is begun there: on a row, where one is so near
+    at_s = np.where(np.abs(nearest_s - at_s) < 1e-6 * line.duration_s / len(line.times_s), nearest_s, at_s)
+    at_s[at_s == line.duration_s] = 0.0
+    found = []
+    for place_m, time_s in zip(line.at(at_s), at_s, strict=True):
+        if before:
+            leg = int(np.searchsorted(line.times_s, time_s, side="left") - 1) % count
+            own = moves[np.searchsorted(moves, leg, side="right") - 1]  # the last one before the first
+            done_s = lasts_s[leg] if time_s == 0 else time_s - line.times_s[leg]
+        else:
+            leg = int(np.searchsorted(line.times_s, time_s, side="right") - 1) % count
+            own = moves[np.searchsorted(moves, leg) % len(moves)]
+            done_s = time_s - line.times_s[leg]
+        speed_m_s = lengths_m[leg] / lasts_s[leg] + line.accelerations_m_s2[leg] * (done_s - lasts_s[leg] / 2)
+        direction = steps_m[own] / lengths_m[own]
+        speed_m_s = max(0.0, float(speed_m_s)) if lengths_m[leg] > 0 else 0.0
+        aside_s = min(done_s, lasts_s[leg] - done_s) or math.inf
+        found.append(Motion(place_m, -direction if before else direction, speed_m_s, aside_s))
+    return found

@@ -1,0 +1,93 @@
+"""Robots with mass, that take time to turn or turn on arcs: ways from chargers into rounds, and plans with them."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.planners.patrol.relief.test_relief import CORRIDOR
+
+from rota import check_plan, make_plan, replan
+from rota.model.mission import Fleet, Mission
+from rota.model.motion_limits import MotionLimits
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.relief.ways import Ways, motions_of
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+
+SPEED_M_S = 10.0
+A_M_S2 = 2.5
+SPARE = 2e-3  # planned with a thousandth less than robots can do
+# 4 s of getting up speed over 20 m, 10 s at full speed, 4 s of braking; there, and back
+RAMPS = TimedLine(
+    np.array([0.0, 4, 14, 18, 22, 32, 36]),
+    np.array([[20.0, 5], [40, 5], [140, 5], [160, 5], [140, 5], [40, 5], [20, 5]]),
+    np.array([A_M_S2, 0, -A_M_S2, A_M_S2, 0, -A_M_S2]),
+)
+MASS = MotionLimits(acceleration_m_s2=A_M_S2)
+
+
+def corridor(**fleet: Any) -> Mission:
+    """A corridor as wide as sensors see, which one robot covers going to and fro, with a charger on the way."""
+    changed: Fleet = dataclasses.replace(CORRIDOR.fleet, **fleet)
+    return dataclasses.replace(CORRIDOR, period_s=70.0, fleet=changed)
+
+
+def ways_of(mission: Mission) -> Ways:
+    return Ways(mission.fleet.equal_robot("robot-1"), PathsByBody(mission))
+
+
+def test_a_way_into_a_moving_round_takes_its_run_up() -> None:
+    """The charger at x = 100, the round at full speed from x = 60 on: back to 40 from rest to rest, 20 m of run-up."""
+    ways, charger_m, phase_s = ways_of(corridor(motion=MASS)), np.array([100.0, 5.0]), 6.0
+    lasts_s = 60 / SPEED_M_S + SPEED_M_S / A_M_S2 + SPEED_M_S / A_M_S2
+    found = ways.last_s(RAMPS, np.array([phase_s]), charger_m[None], 1.0)
+    assert found[0, 0] == pytest.approx(lasts_s, rel=SPARE)
+    into = ways.into(charger_m, RAMPS, phase_s, 1.0, np.inf)
+    assert into.duration_s == pytest.approx(lasts_s, rel=SPARE)
+    just_m = into.at(np.array([into.duration_s - 1e-3]))
+    assert np.allclose(into.places_m[-1] - just_m, [[1e-3 * SPEED_M_S, 0.0]], atol=1e-4)
+    slower = ways.into(charger_m, RAMPS, phase_s, 2.0, np.inf)  # a round at half the speed: twice the run-up
+    assert slower.duration_s == pytest.approx(lasts_s + SPEED_M_S / A_M_S2, rel=SPARE)
+    # back: 20 m of braking ahead to x = 80, and 20 m from rest to rest
+    back = ways.back(charger_m, RAMPS, phase_s, 1.0, np.inf)
+    assert back.duration_s == pytest.approx(SPEED_M_S / A_M_S2 + 2 * (20 / A_M_S2) ** 0.5, rel=SPARE)
+    assert np.allclose(back.places_m[[0, -1]], [[60.0, 5.0], [100.0, 5.0]])
+
+
+def test_a_round_is_told_as_it_goes_on_and_as_it_came() -> None:
+    on, came = (motions_of(RAMPS, np.array([18.0, 2.0]), before=before) for before in (False, True))
+    assert [at.speed_m_s for at in on] == pytest.approx([0.0, 5.0])
+    assert [at.speed_m_s for at in came] == pytest.approx([0.0, 5.0])
+    assert [at.direction.tolist() for at in on if at.direction is not None] == [[-1.0, 0.0], [1.0, 0.0]]
+    assert [at.direction.tolist() for at in came if at.direction is not None] == [[-1.0, 0.0], [-1.0, 0.0]]
+    stays = motions_of(steady(np.zeros(1), np.array([[3.0, 4.0]])), np.zeros(1), before=False)
+    assert [(at.direction, at.speed_m_s) for at in stays] == [(None, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("fleet", "robots"),
+    [
+        # away for a second and charging for two: three robots, as without mass, for rounds that take longer
+        ({"motion": MASS}, 3),
+        ({"motion": dataclasses.replace(MASS, corner_m=1.5)}, 3),
+        ({"motion": dataclasses.replace(MASS, corner_m=1.5, jerk_m_s3=5.0)}, 3),
+        ({"motion": MASS, "turn_rate_rad_s": 1.0}, 3),
+        ({"motion": MASS, "body_radius_m": 0.3, "turn_rate_rad_s": 1.0}, 3),
+        ({"turn_rate_rad_s": 1.0}, 2),
+        ({"turn_radius_m": 3.0}, 2),
+    ],
+)
+def test_robots_that_are_no_points_without_mass_relieve_each_other(fleet: dict[str, Any], robots: int) -> None:
+    plan = make_plan(corridor(**fleet))
+    assert check_plan(plan).verdict == "met"
+    assert len(plan) == robots
+    assert all(trajectory.charges for trajectory in plan)
+
+
+def test_a_change_while_robots_with_mass_charge_is_judged_across_it() -> None:
+    plan = make_plan(corridor(motion=MASS))
+    charges = plan.trajectories[0].charges[0]
+    found = replan(plan, at_s=(charges.from_s + charges.until_s) / 2)
+    assert found.report.verdict == "met"
