@@ -264,6 +264,51 @@ def test_batteries_and_chargers_are_given(page: Any) -> None:
     assert "proved" in judged(page)
 
 
+def test_kinds_and_single_robots_have_batteries_of_their_own(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    tool(page, "Charger", "Point")
+    click_map(page, (150, 450))
+    fleet = page.locator("#fleet-form")
+    fleet.get_by_label("Vehicle", exact=True).select_option("")
+    fleet.get_by_label("Robots", exact=True).select_option("kinds")
+    scout, heavy = (fleet.locator(".card").nth(k) for k in (0, 1))
+    scout.get_by_text("Battery", exact=True).click()
+    scout.get_by_label("Endurance (s)").fill("600")
+    expect(scout.get_by_label("Reserve (s)")).to_have_attribute("placeholder", "as the fleet")
+    scout.get_by_label("Recharging (s)").fill("900")
+    scout.get_by_label("Given", exact=True).select_option("deltaquad-pro-v2")
+    scout.get_by_label("Reserve (%)").fill("20")  # it stays unfolded, and nobody else's is
+    expect(heavy.get_by_label("Given", exact=True)).to_be_hidden()
+    heavy.get_by_text("Battery", exact=True).click()
+    heavy.get_by_label("Given", exact=True).select_option("watts")
+    heavy.get_by_label("Capacity (Wh)").fill("77")
+    heavy.get_by_label("Moving (W)").fill("0")
+    heavy.get_by_label("Charging (W)").fill("70")
+    expect(heavy).to_contain_text("0 is not allowed; it must be greater than 0")
+    heavy.get_by_text("Battery", exact=True).click()
+    moving = heavy.get_by_label("Moving (W)")
+    expect(moving).to_be_hidden()
+    page.locator("#verdict").get_by_role("button", name="Kind 2, battery, moving: 0 is not").click()
+    expect(moving).to_be_focused()
+    moving.fill("103")
+    kinds = [
+        {"name": "kind-1", "cost": 1, "battery": {"preset": "deltaquad-pro-v2", "reserve_percent": 20}},
+        {"name": "kind-2", "cost": 2, "battery": {"capacity_wh": 77, "moving_w": 103, "charging_w": 70}},
+    ]
+    assert document(page)["fleet"]["kinds"] == kinds
+    assert "proved" in judged(page)
+    fleet.get_by_label("Robots", exact=True).select_option("list")
+    first = fleet.locator(".card").first
+    first.get_by_text("Battery", exact=True).click()
+    first.get_by_label("Endurance (s)").fill("600")
+    first.get_by_label("Recharging (s)").fill("900")
+    assert document(page)["fleet"]["robots"][0] == {"name": "robot-1", "endurance_s": 600, "recharge_s": 900}
+    first.get_by_label("Given", exact=True).select_option("dji-mavic-3e")
+    expect(first).to_contain_text("that each departure from a charger costs")
+    assert document(page)["fleet"]["robots"][0] == {"name": "robot-1", "battery": {"preset": "dji-mavic-3e"}}
+
+
 def test_a_vehicle_says_what_it_does_where_nothing_is_given(page: Any) -> None:
     new_mission(page)
     draw_polygon(page, "Area", *SQUARE)

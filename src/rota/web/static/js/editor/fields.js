@@ -63,9 +63,13 @@ export class Fields {
     return around[0] ?? within ?? null;
   }
 
-  /** Moves to the field of a path; false where none is shown. */
+  /** Moves to the field of a path, and unfolds what it is in; false where none is shown. */
   focus(path) {
     const field = this.fieldFor(path);
+    const folded = "details:not([open])";
+    for (let part = field?.input.closest(folded); part; part = part.parentElement.closest(folded)) {
+      part.open = true;
+    }
     field?.input.focus();
     field?.input.scrollIntoView({ block: "center" });
     return field !== null;
@@ -130,15 +134,16 @@ export class Fields {
 
 /**
  * Rebuilds a part of the page: the focus goes back where it was, by the path of the field or the name of the button, and
- * what was unfolded stays unfolded.
+ * what was unfolded stays unfolded, by its summary and, where several have the same, whose it is (`data-of`).
  */
 export function keepingFocus(section, rebuild) {
   const active = /** @type {HTMLElement|null} */ (document.activeElement);
   const mark = active !== null && section.contains(active) ? (active.dataset.path ?? active.dataset.mark) : undefined;
-  const unfolded = [...section.querySelectorAll("details[open] > summary")].map((summary) => summary.textContent);
+  const nameOf = (summary) => summary.textContent + (summary.dataset.of ?? "");
+  const unfolded = [...section.querySelectorAll("details[open] > summary")].map(nameOf);
   rebuild();
   for (const summary of section.querySelectorAll("details > summary")) {
-    summary.parentElement.open ||= unfolded.includes(summary.textContent);
+    summary.parentElement.open ||= unfolded.includes(nameOf(summary));
   }
   if (mark !== undefined) {
     const again = [...section.querySelectorAll("[data-path], [data-mark]")];

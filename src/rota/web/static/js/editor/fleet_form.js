@@ -34,7 +34,7 @@ export class FleetForm {
 
   update() {
     const { document } = this.fields.store;
-    const listed = this.lists().map((key) => listAt(document, ["fleet", key]).map((one) => [one?.sensor?.shape ?? "", one?.vehicle ?? ""]));
+    const listed = this.lists().map((key) => listAt(document, ["fleet", key]).map((one) => [one?.sensor?.shape ?? "", one?.vehicle ?? "", batteryForm(one)]));
     const { sensor, vehicle } = this.fleet;
     const built = JSON.stringify([countOf(this.fleet), sensor?.shape ?? "disc", vehicle ?? "", listed, document.planner, batteryForm(this.fleet)]);
     if (built !== this.built) {
@@ -73,9 +73,14 @@ export class FleetForm {
     );
     const lists = this.lists().map((key) => this.list(key));
     const limits = heeded ? motion.limits(["fleet"], vehicle) : null;
-    const battery = fields.store.document.planner === "bounce" ? null : motion.battery(["fleet"], this.fleet);
+    const battery = this.battery(["fleet"], this.fleet);
     this.section.replaceChildren(...[el("h2", {}, "Fleet"), main, more, limits, battery, ...lists].filter((part) => part !== null));
     fields.update();
+  }
+
+  /** The battery of the fleet, of a robot or of a kind; null where the planner heeds none. */
+  battery(path, block) {
+    return this.fields.store.document.planner === "bounce" ? null : this.motion.battery(path, block);
   }
 
   count() {
@@ -122,7 +127,7 @@ export class FleetForm {
         "aria-label": `Delete ${one} ${k + 1}`,
         class: "quiet",
       });
-      return el("div", { class: "card" }, el("div", { class: "fields" }, ...parts.filter((part) => part !== null)), el("div", {}, remove));
+      return el("div", { class: "card" }, el("div", { class: "fields" }, ...parts), this.battery([...path, k], each), el("div", {}, remove));
     });
     const usual = key === "kinds" ? { cost: 1 } : {};
     const add = button(`Add a ${one}`, () => apply([...listAt(store.document, path), { name: freeName(all, one), ...usual }]));

@@ -1,14 +1,15 @@
 /** A vehicle, and how fast it changes speed and direction; its values stand in empty fields, from the mission files' schema. */
 
 import { el } from "../dom.js";
-import { valueAt, withValue } from "./paths.js";
+import { pathKey, valueAt, withValue } from "./paths.js";
 import { numberField, numbersOf, plain } from "./schema_fields.js";
 
 const OF_PRESETS = ["capacity_wh", "moving_w", "standing_w"];
 
-/** How a fleet's battery is given: by a preset's name, by its watts, or in seconds, if at all. */
-export function batteryForm({ battery }) {
-  return battery === undefined || battery === null ? "" : (battery.preset ?? "watts");
+/** How the battery of a fleet, a kind or a robot is given: by a preset's name, by its watts, or in seconds, if at all. */
+export function batteryForm(block) {
+  const battery = block?.battery ?? null;
+  return battery === null ? "" : (battery.preset ?? "watts");
 }
 
 /** A fleet or a robot without vehicle and motion, for planners that do not heed them; it keeps its vehicle's speed. */
@@ -77,6 +78,11 @@ export class MotionFields {
     return wanted.map(([name, about]) => numberField(this.fields, path, name, about, this.preset(vehicle, name)));
   }
 
+  /** Numbers that a kind or a robot has in place of its fleet's, where they are explained. */
+  numbersAsFleet(path, vehicle, wanted) {
+    return wanted.map(([name, about]) => numberField(this.fields, path, name, { ...about, description: "" }, this.preset(vehicle, name, "as the fleet")));
+  }
+
   /** The numbers of a kind that belong to no group: its own ones, then those in place of its fleet's. */
   numbersOfKinds(path, vehicle) {
     const wanted = numbersOf(this.properties.kinds.items.properties).filter(([, about]) => about.group === undefined);
@@ -84,26 +90,34 @@ export class MotionFields {
     const others = wanted.filter(([name]) => name in this.properties);
     return [
       ...own.map(([name, about]) => numberField(this.fields, path, name, about)),
-      ...others.map(([name, about]) => numberField(this.fields, path, name, { ...about, description: "" }, this.preset(vehicle, name, "as the fleet"))),
+      ...this.numbersAsFleet(path, vehicle, others),
     ];
   }
 
-  /** A battery by a preset, by its watts or by the seconds that it lasts, folded. */
+  /** A battery by a preset, by its watts or by the seconds that it lasts, folded; of a kind or a robot its fleet's, too. */
   battery(path, block) {
+    const own = path.length > 1;
+    const none = own ? "in seconds" : "in seconds, or none";
     const presets = plain(plain(this.properties.battery).properties.preset).enum;
-    const options = { "": "in seconds, or none", watts: "by its watts", ...Object.fromEntries(presets.map((name) => [name, name])) };
+    const options = { "": none, watts: "by its watts", ...Object.fromEntries(presets.map((name) => [name, name])) };
     const select = el("select", {}, ...Object.entries(options).map(([value, name]) => el("option", { value }, name)));
     select.addEventListener("change", () => this.chooseBattery(path, select.value));
-    const { battery } = block;
-    const given = this.fields.custom([...path, "battery", "preset"], "Given", select, () => (select.value = batteryForm(block)));
-    const isHad = (name) => battery?.preset !== undefined && OF_PRESETS.includes(name);
-    const inputs =
-      batteryForm(block) === ""
-        ? this.numbers(path, undefined, (name, about) => about.group === "battery")
-        : numbersOf(plain(this.properties.battery).properties)
-            .filter(([name]) => !isHad(name))
-            .map(([name, about]) => numberField(this.fields, [...path, "battery"], name, about));
-    return el("details", {}, el("summary", {}, "Battery"), el("div", { class: "fields" }, given, ...inputs));
+    const form = batteryForm(block);
+    const show = () => (select.value = batteryForm(valueAt(this.fields.store.document, path)));
+    const given = this.fields.custom([...path, "battery", "preset"], "Given", select, show);
+    const inputs = form === "" ? this.secondsOfBattery(path, own) : this.wattsOfBattery(path, form !== "watts");
+    return el("details", {}, el("summary", { "data-of": pathKey(path) }, "Battery"), el("div", { class: "fields" }, given, ...inputs));
+  }
+
+  secondsOfBattery(path, own) {
+    const isSeconds = (name, about) => about.group === "battery";
+    return own ? this.numbersAsFleet(path, undefined, numbersOf(this.properties).filter((each) => isSeconds(...each))) : this.numbers(path, undefined, isSeconds);
+  }
+
+  wattsOfBattery(path, isPreset) {
+    return numbersOf(plain(this.properties.battery).properties)
+      .filter(([name]) => !(isPreset && OF_PRESETS.includes(name)))
+      .map(([name, about]) => numberField(this.fields, [...path, "battery"], name, about));
   }
 
   /** What is told in another way is dropped; a take-off, a reserve and what charges stay between a preset and watts. */

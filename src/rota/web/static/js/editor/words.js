@@ -18,7 +18,7 @@ const NAMES = {
   turn_radius_m: "turn radius",
   turn_rate_rad_s: "turn rate",
 };
-const UNITS = /_(m_s3|m_s2|m_s|rad_s|m2|m|s|deg)$/;
+const UNITS = /_(m_s3|m_s2|m_s|rad_s|m2|m|s|deg|wh|w|percent)$/;
 const LISTS = { zones: "zone", obstacles: "obstacle", moving_obstacles: "moving obstacle", chargers: "charger" };
 const FLEET_LISTS = { robots: "robot", kinds: "kind", entrances: "entrance" };
 const IN_TEXT = /\b(?:area|zones|obstacles|moving_obstacles|chargers|fleet|patrol|swarm|bounce|origin)(?:\[\d+\]|\.[a-z][a-z_]*)+/g;
@@ -51,7 +51,7 @@ export function pathInWords(path, document = null) {
 
 /** A text in which fields stand as paths, with words in their place. */
 export function textInWords(text, document = null) {
-  return text.replace(IN_TEXT, (path) => pathInWords(stepsOf(path), document)).replace(/\b([a-z]+(?:_[a-z]+)*)_(?:m_s3|m_s2|m_s|rad_s|m2|m|s|deg)\b/g, (key) => wordOf(key));
+  return text.replace(IN_TEXT, (path) => pathInWords(stepsOf(path), document)).replace(/\b([a-z]+(?:_[a-z]+)*)_(?:m_s3|m_s2|m_s|rad_s|m2|m|s|deg|wh|w|percent)\b/g, (key) => wordOf(key));
 }
 
 /** A fault or a warning as a sentence that says where it is. */
