@@ -88,9 +88,7 @@ def test_missions_with_less_slack_than_they_are_kept_in_phase_with_are_told() ->
     made = three()
     gate = replace(made.mission.zones[0], period_s=28.5)
     plan = replace(made, mission=replace(made.mission, zones=(gate,)))
-    pace = SimpleNamespace(
-        keeps_phase=True, flies=True, drives_along=False, robots="abc", most_pace=lambda _: math.inf, lead_s=0
-    )
+    pace = SimpleNamespace(keeps_phase=True, flies=True, drives_along=False, robots="abc", most_pace=lambda _: math.inf)
     told = Along(plan, cast("Link", pace), None).tell_before()
     assert told[1] == (
         "copters on missions of their own go at about 0.98 of it: plan with a period_margin greater by 0.009, or for"

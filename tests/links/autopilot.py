@@ -19,6 +19,8 @@ from tests.links.flight import Flight
 HEARTBEAT_S, REQUEST_S = 0.1, 0.15
 HOME_MM = 475_000  # over sea
 MISSION_MODES = (4 << 16 | 4 << 24, 3)  # of PX4; of ArduPilot's copters
+PX4_HOLD = 4 << 16 | 3 << 24
+PX4_CRUISES_M_S = 5.0  # MPC_XY_CRUISE: by which it goes on after it has left its mission (issue 16031), before 1.14
 MISSION, FENCE, RALLY = mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY
 CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
@@ -142,9 +144,13 @@ class Autopilot:
     def on_command_long(self, message: Any) -> None:
         command = message.command
         self.commands.append(command)
+        px4 = self.script.firmware == mav.MAV_AUTOPILOT_PX4
+        if px4 and command in (mav.MAV_CMD_NAV_TAKEOFF, mav.MAV_CMD_NAV_LAND, mav.MAV_CMD_DO_REPOSITION):
+            self.modes.append(PX4_HOLD)  # once it is there
         if command == mav.MAV_CMD_DO_SET_MODE:
             main, sub = int(message.param2), int(message.param3)
-            px4 = self.script.firmware == mav.MAV_AUTOPILOT_PX4
+            if px4 and main << 16 | sub << 24 == MISSION_MODES[0]:
+                self.flight.speed_m_s = PX4_CRUISES_M_S
             self.modes.append(main << 16 | sub << 24 if px4 else main)
         if command not in self.script.denies:
             self.obey(command, message)

@@ -8,12 +8,11 @@ from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mav
-from tests.links.autopilot import MISSION, flying
+from tests.links.autopilot import MISSION, MISSION_MODES, PX4_HOLD, flying
 from tests.links.fleets import routes_of
 from tests.links.test_mavlink import held, with_link
 from tests.links.test_mavlink_targets import COPTER, charging
 
-from rota.errors import LinkError
 from rota.links.flights import Flights
 from rota.links.link import Dock, Order
 from rota.links.sending import first_reports, routes_for, send_all, start_all
@@ -101,10 +100,74 @@ def test_who_is_under_way_when_the_plan_begins_holds_the_rest_of_that_flight() -
         assert held(vehicles[0])[-1] == mav.MAV_CMD_NAV_LAND
 
 
-def test_px4_is_refused_since_it_does_not_hold() -> None:
-    async def nothing(_: Any) -> None:
-        raise AssertionError("it opens")
+def test_a_px4_holds_its_post_in_hold_and_goes_on_to_the_same_waypoint() -> None:
+    plan, px4 = charging(), replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)
 
-    told = "robot a: its autopilot is PX4, which does not hold its post in a mission"
-    with flying(replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)) as vehicles, pytest.raises(LinkError, match=told):
-        with_link(charging(), vehicles, nothing, "way=mission")
+    async def fly(link: Any) -> None:
+        vehicle = vehicles[0]
+        vehicle.modes.append(PX4_HOLD)  # as one that was just switched on
+        assert link.lead_s == 3 + 10 / 1.5 + 15 / 3 + 5 + 5
+        await first_reports(link, link.robots)
+        routes = routes_for(plan, link)
+        await send_all(link, routes)
+        await start_all(link, routes)
+        await link.keep(order(leaves=False, plan_s=5.0))
+        assert (held(vehicle), vehicle.in_air) == ([], False)
+        await mode_of(link, "running")  # it does what its plan asks for
+        behind_s = link.time_s + 1.0 - 5.0
+        leaving = asyncio.create_task(link.keep(order(leaves=True, plan_s=5.0, behind_s=behind_s)))
+        await asyncio.sleep(0.6)
+        assert (vehicle.in_air, vehicle.flight.number, vehicle.modes[-1]) == (True, 0, PX4_HOLD)
+        await leaving
+        assert link.time_s - behind_s == pytest.approx(5.0, abs=0.5)
+        assert held(vehicle)[vehicle.flight.number] == mav.MAV_CMD_NAV_WAYPOINT
+        async with asyncio.timeout(20):
+            while link.latest("a").position_m[0] < -5.0:
+                await asyncio.sleep(0.05)
+        here = Order(robot="a", late_s=0.0, behind_s=behind_s, rate=0.0)
+        await link.keep(here)
+        place_m, number = vehicle.flight.lon, vehicle.flight.number
+        await asyncio.sleep(0.5)
+        await link.keep(here)
+        assert (vehicle.modes[-1], vehicle.flight.lon) == (PX4_HOLD, place_m)
+        assert link.latest("a").mode == "running"  # as it was told
+        told = len(vehicle.speeds_m_s)
+        await link.keep(replace(here, rate=1.0))
+        assert (vehicle.modes[-1], vehicle.flight.number) == (MISSION_MODES[0], number)
+        assert vehicle.speeds_m_s[told:] == [4.0]
+        async with asyncio.timeout(20):
+            while vehicle.flight.number < len(vehicle.items[MISSION]) - 1 or link.latest("a").position_m[0] > -9.5:
+                await asyncio.sleep(0.05)
+        await link.keep(order(leaves=False, plan_s=45.0))
+        assert (held(vehicle), vehicle.in_air, vehicle.commands[-1]) == ([], False, mav.MAV_CMD_NAV_LAND)
+
+    with flying(px4) as vehicles:
+        with_link(plan, vehicles, fly, "way=mission")
+        assert vehicles[0].flight.lon * 1e7 == pytest.approx(BESIDE, abs=5)
+
+
+def test_a_px4_that_somebody_else_has_stopped_is_let_be() -> None:
+    plan = under_way()
+
+    async def fly(link: Any) -> None:
+        routes = routes_for(plan, link)
+        await send_all(link, routes)
+        await first_reports(link, link.robots)
+        await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
+        await start_all(link, routes)
+        await mode_of(link, "running")
+        vehicles[0].modes.append(PX4_HOLD)  # by its remote control
+        await mode_of(link, "paused")
+        for rate in (0.0, 1.0):
+            await link.keep(Order(robot="a", late_s=0.0, behind_s=0.0, rate=rate))
+        assert vehicles[0].modes[-1] == PX4_HOLD
+
+    with flying(replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)) as vehicles:
+        with_link(plan, vehicles, fly, "way=mission")
+
+
+async def mode_of(link: Any, mode: str) -> None:
+    """Wait until the copter tells a mode."""
+    async with asyncio.timeout(10):
+        while link.latest("a").mode != mode:
+            await asyncio.sleep(0.05)

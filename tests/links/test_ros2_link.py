@@ -216,7 +216,7 @@ def test_robots_that_charge_fly_their_flights_and_hold_their_posts_for_a_late_re
             await first_reports(link, link.robots)
             await send_all(link, routes_for(plan, link))
             await start_all(link, routes_for(plan, link))
-            driving = Driving(link, watch, Keeping(plan, {}, lead_s=link.lead_s), None, told.append)
+            driving = Driving(link, watch, Keeping(plan, {}), None, told.append)
             await driving.drive(until_s=62.0, should_stop=lambda: False)
         finally:
             await link.close()

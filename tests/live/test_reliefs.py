@@ -232,7 +232,7 @@ def state(name: str, place_m: tuple[float, float], lag_s: float, battery: float 
 
 
 def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
-    reliefs = Reliefs(relieved(3), 0.0, EVERYBODY)
+    reliefs = Reliefs(relieved(3), EVERYBODY)
     pad, post = state("robot-2", (0.0, 0.0), 0.0, None), state("robot-1", (10.0, 10.0), -5.0, None)
     conduct, told = reliefs.look(TURN_S - 1, (pad, post), in_time)
     assert not conduct.docks["robot-2"].leaves
@@ -243,9 +243,9 @@ def test_who_tells_no_battery_leaves_in_time_and_does_not_wait() -> None:
 
 
 def test_who_has_to_take_off_is_told_before_its_time() -> None:
-    reliefs, pad = Reliefs(relieved(3), 15.0, EVERYBODY), state("robot-2", (0.0, 0.0), 0.0, 1.0)
-    assert not reliefs.look(TURN_S - 16, (pad,), in_time)[0].docks["robot-2"].leaves
-    conduct, _ = reliefs.look(TURN_S - 14, (pad,), in_time)
+    reliefs, pad = Reliefs(relieved(3), EVERYBODY), state("robot-2", (0.0, 0.0), 0.0, 1.0)
+    assert not reliefs.look(TURN_S - 16, (pad,), in_time, 15.0)[0].docks["robot-2"].leaves
+    conduct, _ = reliefs.look(TURN_S - 14, (pad,), in_time, 15.0)
     assert (conduct.docks["robot-2"].leaves, conduct.docks["robot-2"].plan_s) == (True, TURN_S)
 
 

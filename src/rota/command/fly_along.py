@@ -126,7 +126,6 @@ def _keeping(plan: Plan, link: Link) -> Keeping:
         plan,
         {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands},
         _most_rate(link),
-        link.lead_s,
     )
 
 

@@ -1,4 +1,4 @@
-"""ArduCopters that charge, on missions of their own: each flight is one, sent when it is due."""
+"""Copters that charge, on missions of their own: each flight is one, sent when it is due."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rota.errors import LinkError
 from rota.files.geodesy import Projection
-from rota.links.link import Dock, Order
+from rota.links.link import Dock, Mode, Order
 from rota.links.mavlink_held import MISSION, as_sent
 from rota.links.mavlink_items import WireItem, require_room
 from rota.links.mavlink_link import MavlinkLink, MavlinkSettings
@@ -20,15 +19,20 @@ from rota.model.plan import Plan
 from rota.routes.flights import has_flights
 from rota.routes.moments import route_after
 from rota.routes.route import Route
+from rota.vehicles.presets import PX4
 
 SENDS_S = 5.0  # how long a mission may take to be sent before its copter takes off
+# of PX4's take-off: MPC_TKO_SPEED up to MPC_LAND_ALT1, MPC_TKO_RAMP_T later (by default; _updateTrajConstraints of
+# FlightTaskAutoLineSmoothVel.cpp, later FlightTaskAuto.cpp)
+PX4_SLOWLY_M_S, PX4_SLOW_M, PX4_RAMP_S = 1.5, 10.0, 3.0
 
 
 class MavlinkFlightLink(MavlinkLink):
-    """A Link to ArduCopters that charge; those that do not fly their missions as ever.
+    """A Link to copters that charge; those that do not fly their missions as ever.
 
     On its charger a copter holds no mission. One that is to leave gets that of its next flight, climbs, and begins with
-    its first waypoint when it is time; the mission ends with a landing on the charger.
+    its first waypoint when it is time; the mission ends with a landing on the charger. ArduCopters hold their posts by
+    pauses, PX4s in their mode HOLD.
     """
 
     relieves = True
@@ -38,12 +42,13 @@ class MavlinkFlightLink(MavlinkLink):
         tops_m_s = {way.robot: fleet.robot(way.robot).speed_m_s for way in plan}
         super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings, {})
         self._altitude_m = fleet.altitude_m
-        self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S + SENDS_S
         self._ways = {way.robot: way for way in plan if has_flights(way)}
         # of those that charge the flight whose mission they hold; None: they are on a charger
         self._flown: dict[str, Route | None] = {name: self._flight_at(name, 0.0) for name in self._ways}
         self._leaving: set[str] = set()
+        self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S + SENDS_S
         self._spots_m: dict[str, tuple[float, float]] = {}
+        self._hovers: set[str] = set()  # for this link has told them to
 
     def _flight_at(self, robot: str, plan_s: float) -> Route | None:
         """The flight that a robot is on, or leaves its charger for, at a moment; None: it stays on it."""
@@ -51,8 +56,16 @@ class MavlinkFlightLink(MavlinkLink):
 
     async def _connect(self, robot: str) -> None:
         await super()._connect(robot)
-        if robot in self._ways and self._vehicle(robot).autopilot != "ardupilot":
-            raise LinkError(f"robot {robot}: its autopilot is PX4, which does not hold its post in a mission")
+        if self._vehicle(robot).autopilot == "px4" and PX4.climb_m_s is not None:
+            slow_m = min(self._altitude_m, PX4_SLOW_M)
+            climbs_s = PX4_RAMP_S + slow_m / PX4_SLOWLY_M_S + (self._altitude_m - slow_m) / PX4.climb_m_s.value
+            self.lead_s = max(self.lead_s, climbs_s + ARMS_S + SENDS_S)
+
+    def _mode(self, vehicle: MavlinkVehicle) -> Mode | None:
+        """One that holds its post, or is on its charger, does what its plan asks for, though its mode is HOLD."""
+        robot = vehicle.robot
+        as_planned = robot in self._hovers or (robot in self._ways and not vehicle.in_air)
+        return "running" if as_planned and vehicle.mode == "paused" else vehicle.mode
 
     def _items(self, route: Route, vehicle: MavlinkVehicle) -> list[WireItem]:
         """Those of its flight; none on a charger."""
@@ -75,6 +88,7 @@ class MavlinkFlightLink(MavlinkLink):
     async def keep(self, order: Order) -> None:
         """On its charger it lands, and leaves it with the mission of its next flight."""
         if order.dock is None:
+            await self._hold_or_go_on(self._vehicle(order.robot), holds=order.rate == 0)
             await super().keep(order)
         elif not order.dock.leaves:
             await self._stay(order.robot, order.dock)
@@ -85,6 +99,25 @@ class MavlinkFlightLink(MavlinkLink):
             except BaseException:
                 self._leaving.discard(order.robot)
                 raise
+
+    async def _hold_or_go_on(self, vehicle: MavlinkVehicle, *, holds: bool) -> None:
+        """Let a PX4 on its mission hold, or go on after that; not one whose mode somebody else has changed."""
+        robot = vehicle.robot
+        if vehicle.autopilot != "px4" or robot not in self._paces or holds == (robot in self._hovers):
+            return
+        if holds and vehicle.mode == "running":
+            self._hovers.add(robot)
+            raw = vehicle.plugin("mission_raw", "MissionRaw")
+            await vehicle.ask("holding its post", raw.pause_mission_async)
+        elif not holds:
+            if vehicle.mode == "paused":
+                await self._paces[robot].go_on_from_hold()
+            self._hovers.discard(robot)
+
+    async def pause(self, robot: str) -> None:
+        """Hold, whatever it was told before."""
+        self._hovers.discard(robot)
+        await super().pause(robot)
 
     async def _stay(self, robot: str, dock: Dock) -> None:
         """Land where it stood at first, if that is at this charger: others stand beside it. Then hold no mission."""
@@ -102,8 +135,10 @@ class MavlinkFlightLink(MavlinkLink):
         x, y = self._ways[robot].at(np.array([dock.plan_s]))[0, :2].tolist()
         own_m = self._spots_m.get(robot, (x, y))
         at_m = own_m if math.dist(own_m, (x, y)) <= OWN_SPOT_M else (x, y)
+        self._hovers.add(robot)
         await self.go(robot, [(*at_m, self._altitude_m)])
         await self.land(robot)
+        self._hovers.discard(robot)
 
     async def _leave(self, vehicle: MavlinkVehicle, dock: Dock, behind_s: float) -> None:
         """Hold the mission of the flight, climb, hover until it is time, and fly it from its first waypoint on."""
@@ -113,10 +148,13 @@ class MavlinkFlightLink(MavlinkLink):
             return
         self._flown[robot] = flight
         items = self._items(flight, vehicle)
-        require_room(robot, items, ())
+        if vehicle.autopilot == "ardupilot":
+            require_room(robot, items, ())
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         await vehicle.ask("the mission of its next flight", raw.upload_mission_async, as_sent(items, MISSION))
+        self._hovers.add(robot)
         if not vehicle.in_air:
             await self.climb(robot, self._altitude_m)
         self._paces[robot] = MissionPace(vehicle, items, flight.once[0], self._top_m_s[robot], dock.plan_s + behind_s)
         await self._paces[robot].start_in_air(self.time_s)
+        self._hovers.discard(robot)

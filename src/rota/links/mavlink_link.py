@@ -120,8 +120,7 @@ class MavlinkLink(RealTimeLink):
         configuration.system_id = self._settings.system_id
         mavsdk = Mavsdk(configuration)
         self._instances.append(mavsdk)
-        result = mavsdk.add_any_connection(address)
-        if result.name != "SUCCESS":
+        if (result := mavsdk.add_any_connection(address)).name != "SUCCESS":
             raise LinkError(f"robot {robot}: {address} cannot be used: {worded(result)}")
         heard: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         mavsdk.first_autopilot_async(wait_s, into(heard))
@@ -138,8 +137,7 @@ class MavlinkLink(RealTimeLink):
         if needed not in (kind, "any"):
             where = self._addresses[robot]
             raise LinkError(f"robot {robot}: the vehicle on {where} is a {kind}; a {needed} is needed (--set vehicle=)")
-        autopilot = AUTOPILOTS.get(system.autopilot_type().name)
-        if autopilot is None:
+        if (autopilot := AUTOPILOTS.get(system.autopilot_type().name)) is None:
             told = worded(system.autopilot_type())
             raise LinkError(f"robot {robot}: its autopilot is {told}; ArduPilot or PX4 is needed")
         return MavlinkVehicle(robot=robot, system=system, autopilot=autopilot, answer_s=self._settings.answer_s)
@@ -190,8 +188,11 @@ class MavlinkLink(RealTimeLink):
             time_s=now_s,
             position_m=(float(x), float(y), float(height_m)),
             battery=vehicle.battery,
-            mode=vehicle.mode,
+            mode=self._mode(vehicle),
         )
+
+    def _mode(self, vehicle: MavlinkVehicle) -> Mode | None:
+        return vehicle.mode
 
     async def close(self) -> None:
         """Vehicles go on with what they do."""
@@ -272,8 +273,7 @@ class MavlinkLink(RealTimeLink):
 
     def home_m(self, robot: str) -> Place3 | None:
         """Where it took off, as it says."""
-        home = self._vehicle(robot).home
-        if home is None or not all(map(math.isfinite, home)):
+        if (home := self._vehicle(robot).home) is None or not all(map(math.isfinite, home)):
             return None
         x, y = self._projection.to_metres(home[1], home[0])
         return float(x), float(y), 0.0

@@ -1,7 +1,9 @@
 """A MAVLink vehicle kept in phase on its mission: the speed of the leg that it flies, and pauses.
 
 ArduCopter: DO_CHANGE_SPEED acts on the running leg within 2 to 4 s, DO_PAUSE_CONTINUE stops a mission and lets it go on
-where it stopped (mode AUTO, ``ModeAuto::pause``). PX4 takes the speed; it is never paused.
+where it stopped (mode AUTO, ``ModeAuto::pause``). PX4 takes the speed. It holds by another mode, HOLD, and goes on in
+MISSION from where it is to the waypoint that it flew to (docs.px4.io, flight_modes_mc/mission: "Missions can be paused
+by switching out of mission mode"; navigator/mission_base.cpp, ``on_inactivation``): only for long, since it brakes.
 """
 
 from __future__ import annotations
@@ -73,7 +75,7 @@ class MissionPace:
         self._refused = False
 
     async def start_in_air(self, time_s: float) -> None:
-        """Let an ArduCopter begin with its first waypoint: it takes off again wherever it is.
+        """Let a copter begin with its first waypoint: an ArduCopter takes off again wherever it is.
 
         Where its route begins with a wait it waits here: on its mission it would wait for whole seconds, and only once
         it has come to where it is. time_s: since the plan's start. After ``stops`` it goes on with the waypoint that it
@@ -93,6 +95,18 @@ class MissionPace:
         if number is not None and speed_m_s > 0:
             self._told = (number, speed_m_s)
             await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, speed_m_s, -1])
+
+    async def go_on_from_hold(self) -> None:
+        """Let a PX4 go on with its mission, and tell it the speed of its leg.
+
+        Before 1.14 it forgets the speed when it leaves its mode (PX4-Autopilot, issue 16031 and pull request 21714).
+        """
+        number, raw = self._waypoint(), self._vehicle.plugin("mission_raw", "MissionRaw")
+        await self._vehicle.ask("going on", raw.start_mission_async)
+        self._told = None
+        if number is not None:
+            await self._vehicle.command("its speed", DO_CHANGE_SPEED, [1, self._speeds[number], -1])
+            self._told = (number, self._speeds[number])
 
     def stops(self) -> None:
         """It is about to be told to stop; where it goes on is kept."""

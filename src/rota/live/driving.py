@@ -61,7 +61,7 @@ class Driving:
         robots, link = self._watch.state().robots, self._link
         room_s = {robot.name: link.room_s(robot.name) for robot in robots}
         expected_s = {robot.name: link.expected_s(robot.name, now_s - robot.lag_s) for robot in robots}
-        orders, told = self._keeping.look(now_s, robots, room_s, expected_s)
+        orders, told = self._keeping.look(now_s, robots, room_s, expected_s, link.lead_s)
         for name, lag_s in self._keeping.conduct.lags_s.items():
             self._watch.believe(name, lag_s)
         for notice in told:

@@ -42,13 +42,13 @@ class Slack:
 class Keeping:
     """The clock of all for a plan's robots. slack: of each demand by its name; what is met by plan is told from it.
 
-    most_rate: the share of the plan's pace at which the clock goes at most, up to 1. lead_s: how long before a robot
-    leaves its charger it has to be told. conduct: what robots that charge are to do since the last look.
+    most_rate: the share of the plan's pace at which the clock goes at most, up to 1. conduct: what robots that charge
+    are to do since the last look.
     """
 
-    def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0, lead_s: float = 0.0) -> None:
+    def __init__(self, plan: Plan, slack: Mapping[str, Slack], most_rate: float = 1.0) -> None:
         self._waited_for = robots_waited_for(plan)
-        self._reliefs, self.conduct = Reliefs(plan, lead_s, self._waited_for), Conduct()
+        self._reliefs, self.conduct = Reliefs(plan, self._waited_for), Conduct()
         self._most_rate = min(most_rate, 1.0)
         self._slack = slack
         self._tracks = {way.robot: _Track(looked_back_s(way.loop_duration_s)) for way in plan}
@@ -74,11 +74,13 @@ class Keeping:
         robots: tuple[RobotState, ...],
         room_s: Mapping[str, float] = NOTHING,
         expected_s: Mapping[str, float] = NOTHING,
+        lead_s: float = 0.0,
     ) -> tuple[list[Order], list[Notice]]:
         """What each robot that drives its route is to make up now, and what there is to tell.
 
         room_s: what robots make up by themselves soon: nobody waits for that. expected_s: how late each is where it is
-        while all goes well. behind_s: how far the clock of all is behind the plan's by then.
+        while all goes well. lead_s: how long before it leaves its charger a robot has to be told. behind_s: how far the
+        clock of all is behind the plan's by then.
         """
         self._expected_s = expected_s
         if self._now_s is not None:
@@ -86,7 +88,7 @@ class Keeping:
             for team in self._holding:
                 self._held_s[team] += self.rate * (now_s - self._now_s)
         self._now_s = now_s
-        self.conduct, told = self._reliefs.look(now_s, robots, self.behind_of_s)
+        self.conduct, told = self._reliefs.look(now_s, robots, self.behind_of_s, lead_s)
         held_before, waited_for = self._holding, self._waited_for.intersection
         self._holding = frozenset(self._team[name] for name in waited_for(self.conduct.late))
         drives = {robot.name: self._drives(robot, held_before) for robot in robots}

@@ -84,13 +84,11 @@ class _Flyer:
 
 
 class Reliefs:
-    """The reliefs of a plan. lead_s: how long before it leaves a robot has to be told, since it has to climb first.
+    """The reliefs of a plan. waited_for: the names of robots for which others hold their posts."""
 
-    waited_for: the names of robots for which others hold their posts.
-    """
-
-    def __init__(self, plan: Plan, lead_s: float, waited_for: frozenset[str]) -> None:
-        self._chargers, self._lead_s, self._waited_for = plan.mission.chargers, lead_s, waited_for
+    def __init__(self, plan: Plan, waited_for: frozenset[str]) -> None:
+        self._chargers, self._waited_for = plan.mission.chargers, waited_for
+        self._lead_s = 0.0
         self._flyers: dict[str, _Flyer] = {}
         for way in plan:
             robot = plan.mission.fleet.robot(way.robot)
@@ -99,9 +97,13 @@ class Reliefs:
         self._told: list[Notice] = []
 
     def look(
-        self, now_s: float, robots: tuple[RobotState, ...], behind_of_s: Callable[[str], float]
+        self, now_s: float, robots: tuple[RobotState, ...], behind_of_s: Callable[[str], float], lead_s: float = 0.0
     ) -> tuple[Conduct, list[Notice]]:
-        """What robots that charge are to do at ``now_s``; behind_of_s: how far a robot's clock is behind the plan's."""
+        """What robots that charge are to do at ``now_s``; behind_of_s: how far a robot's clock is behind the plan's.
+
+        lead_s: how long before it leaves a robot has to be told, since it has to climb first.
+        """
+        self._lead_s = lead_s
         made, hurried, late = Conduct(), set[str](), list[str]()
         for robot in robots:
             flyer = self._flyers.get(robot.name)
