@@ -14,7 +14,7 @@ from rota.check.turning import turn_radius_violations, turn_violations
 from rota.model.mission import Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 
-ROWS = 12  # of what was driven last: enough for what a corner or a jump of speed takes of the legs beside it
+ROWS = 12  # on either side of the change: enough for what a corner or a jump of speed takes of the legs beside it
 
 
 def seam_violations(plan: Plan) -> list[Violation]:
@@ -42,11 +42,17 @@ def seam_violations(plan: Plan) -> list[Violation]:
     return violations
 
 
+def judged_until_s(trajectory: Trajectory) -> float:
+    """Until when curves and changes of speed of a robot that drove before are judged with what it drove.
+
+    Alone, the leg that the change cuts would leave less room beside a corner than there is.
+    """
+    return float(trajectory.times_s[min(ROWS, len(trajectory.times_s) - 1)])
+
+
 def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> list[Violation]:
-    """Turns and changes of speed at the moment of the change that the robot cannot drive."""
+    """Turns and changes of speed about the moment of the change that the robot cannot drive."""
     before_s = driven.times_s[-ROWS:]
-    if len(before_s) == 1:
-        return []
     lasts_s = -float(before_s[0])
     if (np.diff(trajectory.times_s + lasts_s) <= 0).any():  # a leg so short that it is no leg a little later
         return [violation("turn", robot.name, trajectory.positions_m[0, :2], 0.0, 0.0, SAME_TIME, "s")]
@@ -65,16 +71,18 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
         loop_start_s=trajectory.loop_start_s + lasts_s,
         charges=_charges_across(driven, trajectory, -lasts_s),
     )
-    found = turn_violations(joined, robot) + turn_radius_violations(joined, robot)
+    ends_s = lasts_s + judged_until_s(trajectory)
+    turns, found = turn_violations(joined, robot), turn_radius_violations(joined, robot)
     found += acceleration_violations(joined, robot)
     # a turn that was under way is told of where it began
     moved = np.flatnonzero((np.diff(joined.positions_m[: len(before_s)], axis=0) != 0).any(axis=1))
     since_s = float(joined.times_s[moved[-1] + 1]) if len(moved) else lasts_s
     slack_s = SAME_TIME * max(1.0, lasts_s)
     return [
-        replace(one, time_s=0.0)
-        for one in found
-        if one.time_s is not None and since_s - slack_s <= one.time_s <= lasts_s + slack_s
+        replace(one, time_s=max(0.0, one.time_s - lasts_s))
+        for own, until_s in ((turns, lasts_s), (found, ends_s))
+        for one in own
+        if one.time_s is not None and since_s - slack_s <= one.time_s <= until_s + slack_s
     ]
 
 

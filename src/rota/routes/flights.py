@@ -24,6 +24,7 @@ class Flight:
     starts_s: when it first takes off; below 0 where the plan's time 0 finds it under way already. every_s: after how
     long it does again and again; 0: it flies once. times_s: (n,) from 0; positions_m: (n, 2) or (n, 3). charger: where
     it lands. from_charger: where it takes off; None: where the plan begins. charges_s: how long it then charges.
+    accelerations_m_s2: (n - 1,) along its legs; None: none has one.
     """
 
     robot: str
@@ -35,6 +36,7 @@ class Flight:
     charger: str
     from_charger: str | None
     charges_s: float
+    accelerations_m_s2: Floats | None = None
 
     @property
     def lasts_s(self) -> float:
@@ -75,12 +77,13 @@ def on_charger(trajectory: Trajectory, times_s: Floats) -> NDArray[np.bool_]:
     return docked[np.clip(np.searchsorted(trajectory.times_s, asked_s, side="right") - 1, 0, len(docked) - 1)]
 
 
-def flights_of(trajectory: Trajectory) -> tuple[Flight, ...]:
+def flights_of(trajectory: Trajectory, *, accelerated: bool = False) -> tuple[Flight, ...]:
     """The flights of a robot that charges, in the order in which they begin; none of one that stays on its charger.
 
-    Raises PlanError for a robot that flies on for ever after it has charged, or that never charges.
+    accelerated: with the accelerations along their legs; else these are cut into legs at constant speeds. Raises
+    PlanError for a robot that flies on for ever after it has charged, or that never charges.
     """
-    one = at_constant_speeds(trajectory)
+    one = trajectory if accelerated else at_constant_speeds(trajectory)
     docked = _legs_on_charger(one)
     first, legs = one.loop_index, len(docked)
     found = [_flight(one, docked, run) for run in _runs(np.flatnonzero(~docked)) if run[0] < first]
@@ -122,8 +125,10 @@ def _flight(one: Trajectory, docked: NDArray[np.bool_], run: Whole) -> Flight:
     told_s = np.append(times_s[run] + late_s, times_s[run[-1] + 1] + late_s[-1])
     told_m = np.vstack([places_m[run], places_m[run[-1] + 1 : run[-1] + 2]])
     starts_s, wraps = float(told_s[0]), bool(late_s[-1])
-    if wraps:
+    told_m_s2 = None if one.accelerations_m_s2 is None else one.accelerations_m_s2[run]
+    if wraps and told_m_s2 is None:
         told_s, told_m = _without_seam(told_s, told_m, int(np.argmax(late_s > 0)))
+    if wraps:
         starts_s -= round_s if one.loop_start_s == 0 else 0.0
     first, legs = one.loop_index, len(docked)
     again = wraps or run[0] >= first
@@ -141,6 +146,7 @@ def _flight(one: Trajectory, docked: NDArray[np.bool_], run: Whole) -> Flight:
         charger=_charger(one, after),
         from_charger=_charger(one, before) if before >= 0 else None,
         charges_s=_stay_s(one, docked, after),
+        accelerations_m_s2=told_m_s2,
     )
 
 

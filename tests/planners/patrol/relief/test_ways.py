@@ -12,6 +12,7 @@ from tests.planners.patrol.relief.test_relief import CORRIDOR
 from rota import check_plan, make_plan, replan
 from rota.model.mission import Fleet, Mission
 from rota.model.motion_limits import MotionLimits
+from rota.model.plan import Plan
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.relief.ways import Ways, motions_of
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
@@ -86,8 +87,29 @@ def test_robots_that_are_no_points_without_mass_relieve_each_other(fleet: dict[s
     assert all(trajectory.charges for trajectory in plan)
 
 
-def test_a_change_while_robots_with_mass_charge_is_judged_across_it() -> None:
-    plan = make_plan(corridor(motion=MASS))
-    charges = plan.trajectories[0].charges[0]
-    found = replan(plan, at_s=(charges.from_s + charges.until_s) / 2)
-    assert found.report.verdict == "met"
+@pytest.fixture(scope="module")
+def cutting() -> Plan:
+    """Three robots with mass that cut corners and take turns at the corridor."""
+    return make_plan(corridor(motion=dataclasses.replace(MASS, corner_m=1.5)))
+
+
+def test_a_change_within_a_curve_is_judged_with_the_curve(cutting: Plan) -> None:
+    """A plan that is taken over by itself is as good as it was, wherever its robots are."""
+    flier = cutting.trajectories[0]
+    lasts_s = np.diff(flier.times_s)
+    in_curves = np.flatnonzero((lasts_s < 0.5) & (flier.times_s[1:] < flier.charges[0].from_s))[:12:4]
+    assert len(in_curves) == 3
+    for leg in in_curves.tolist():
+        found = replan(cutting, at_s=float(flier.times_s[leg] + 0.6 * lasts_s[leg]))
+        assert found.report.verdict == "met", leg
+
+
+@pytest.mark.parametrize("at_s", [7.0, 250.0, 900.0])
+def test_two_of_three_fly_in_longer_turns_however_much_mass_they_have(cutting: Plan, at_s: float) -> None:
+    """Away for L seconds and charging for 2 L, nobody is there for L / 2 after each: in all that and a round."""
+    found = replan(cutting, at_s=at_s, lost=["robot-2"])
+    assert {violation.kind for violation in found.report.violations} == {"gap"}
+    charges = [one for trajectory in cutting for one in trajectory.charges]
+    stays_s = max(one.until_s - one.from_s for one in charges)
+    (demand,) = found.report.demands
+    assert stays_s / 4 < demand.worst_gap_s < stays_s / 4 + 70

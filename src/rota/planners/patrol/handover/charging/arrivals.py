@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Trajectory
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.handover.charging.timetables import Round, begin_at
 from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S, SLOWER
 from rota.routes.charging_legs import charging_legs
@@ -24,12 +25,17 @@ POINTS = 240  # of a round at which robots may come into it, beside its corners
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Flyer:
-    """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none."""
+    """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none.
+
+    lands: the rest of its flight, as it drives it whatever follows, of a robot that cannot turn or change its speed at
+    once; the place, the level and the charger are those at its end. None: it can go anywhere at once.
+    """
 
     robot: Robot
     place_m: Floats
     level_s: float
     charger: Charger | None
+    lands: TimedLine | None = None
 
     def level_after_s(self, level_s: Floats | float, stays_s: Floats, charger: Charger) -> Floats:
         """The level after stays of so many seconds at a charger; nan for a stay of less than none."""
@@ -74,6 +80,10 @@ class Needs:
         """The leg of the round at each of its moments (k,)."""
         legs = np.searchsorted(self._legs.begins_s, phases_s, side="right") - 1
         return np.clip(legs, 0, len(self.docked) - 1)
+
+    def docks_at(self, phases_s: Floats) -> NDArray[np.int64]:
+        """The charger, by its number, at which the round is at each of its moments (k,); -1: at none."""
+        return self._legs.docks[self.leg_at(phases_s)]
 
     def at(self, phases_s: Floats) -> Floats:
         """The least level (k,) at moments of the round with which a robot can go on for ever."""
@@ -158,6 +168,8 @@ class Arrivals:
     def _first(self, k: int, now_s: float, moments_s: Floats, travel_s: Floats | None) -> Arrival:
         """The first of moments (n,) at which the k-th robot can be there with enough left."""
         one, count = self._flyers[k], len(self._flyers)
+        if one.lands is not None:
+            return self._first_on_charger(one, one.lands.duration_s, now_s, moments_s)
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
@@ -188,11 +200,33 @@ class Arrivals:
                 )  # fmt: skip
         return best
 
+    def _first_on_charger(self, one: Flyer, free_s: float, now_s: float, moments_s: Floats) -> Arrival:
+        """The first of moments at which the round is on the charger where a robot is from some time on, as charged."""
+        if self._lasts_s == 0:
+            moments_s = np.array([free_s])
+        phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
+        assert one.charger is not None, f"{one.robot.name} lands nowhere"
+        here = self._needs.docks_at(phases_s) == self._chargers.index(one.charger)
+        left_s = one.level_after_s(one.level_s, moments_s - free_s, one.charger)
+        is_enough = here & (left_s >= self._needs.at(phases_s))
+        if not is_enough.any():
+            return Arrival()
+        first = int(np.argmax(is_enough))
+        joins_s, served_s = float(moments_s[first]), self._service_s(np.array([now_s, now_s + moments_s[first]]))
+        return Arrival(
+            joins_s=joins_s, phase_s=float(phases_s[first]), leaves_s=joins_s,
+            unserved_s=float(served_s[1] - served_s[0]),
+        )  # fmt: skip
+
     def trajectory(self, k: int, arrival: Arrival, battery: float) -> Trajectory:
         """What the k-th robot flies that comes into the round so."""
         one, way = self._flyers[k], begin_at(self._way, arrival.phase_s)
+        if one.lands is not None and one.charger is not None:
+            line = _Line(one.lands, self._paths)
+            line.stay(arrival.joins_s, one.charger.name)
+            return line.lead_into(one.robot.name, way, arrival.joins_s, battery)
         way_m, joins_s = way.positions_m[0, :2], arrival.joins_s
-        line = _Line(one.place_m, self._paths)
+        line = _Line(steady(np.zeros(1), one.place_m[None]), self._paths)
         if arrival.via is not None:
             line.go(np.array(arrival.via.at), float(self._to_chargers_s[k, self._chargers.index(arrival.via)]))
         charger = arrival.via or one.charger
@@ -204,9 +238,9 @@ class Arrivals:
 class _Line:
     """Rows of a robot's way into a round."""
 
-    def __init__(self, place_m: Floats, paths: ShortestPaths) -> None:
-        self._paths, self._times_s, self._places_m = paths, [0.0], [place_m]
-        self._charges: list[Charge] = []
+    def __init__(self, begun: TimedLine, paths: ShortestPaths) -> None:
+        self._paths, self._times_s, self._places_m = paths, begun.times_s.tolist(), list(begun.places_m)
+        self._begun, self._charges = begun, list[Charge]()
 
     def go(self, place_m: Floats, there_s: float) -> None:
         """Go to a place, to be there at that time."""
@@ -240,7 +274,11 @@ class _Line:
         later = [Charge(charger=c.charger, from_s=c.from_s + joins_s, until_s=c.until_s + joins_s) for c in way.charges]
         first_m = np.array(self._places_m)[kept].reshape(-1, 2)
         places_m = np.vstack([first_m, way.positions_m[:, :2]])
+        changes, onward = np.zeros(len(places_m) - 1), way.accelerations_m_s2
+        changes[: len(self._begun.accelerations_m_s2)] = self._begun.accelerations_m_s2
+        changes[len(kept) :] = 0.0 if onward is None else onward
         return Trajectory(
             robot=robot, times_s=np.append(np.array(self._times_s)[kept], way.times_s + joins_s), positions_m=places_m,
-            loop_start_s=way.loop_start_s + joins_s, charges=(*self._charges, *later), battery=battery,
+            accelerations_m_s2=changes if changes.any() else None, loop_start_s=way.loop_start_s + joins_s,
+            charges=(*self._charges, *later), battery=battery,
         )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -13,6 +14,7 @@ from rota.errors import PlanError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import TOUCH_M, Charger, Robot
 from rota.model.plan import Plan, Trajectory
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer
 from rota.planners.patrol.handover.charging.timetables import (
     FAR,
@@ -24,9 +26,11 @@ from rota.planners.patrol.handover.charging.timetables import (
     timetables_of,
 )
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
+from rota.planners.patrol.relief.ways import drives_at_once
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
+from rota.routes.charging_legs import charging_legs
 
 Floats = NDArray[np.float64]
 
@@ -51,15 +55,29 @@ class _Takeover:
         robots = asked.mission.fleet.robots or ()
         self._robot = max(robots, key=lambda robot: robot.body_radius_m)
         self._paths = PathsByBody(asked.mission).paths(self._robot.body_radius_m)
-        self._flyers = [
-            Flyer(
-                robot=robot,
-                place_m=np.array(asked.places[robot.name]),
-                level_s=self._level_s(robot),
-                charger=self._charger_of(robot.name),
-            )
-            for robot in robots
-        ]
+        self._flyers = [self._flyer(robot) for robot in robots]
+
+    def _flyer(self, robot: Robot) -> Flyer:
+        """A robot as it is now, or where its flight ends if it cannot leave that at once."""
+        now = Flyer(
+            robot=robot, place_m=np.array(self._asked.places[robot.name]), level_s=self._level_s(robot),
+            charger=self._charger_of(robot.name),
+        )  # fmt: skip
+        if drives_at_once(robot):
+            return now
+        if now.charger is not None:
+            return replace(now, lands=steady(np.zeros(1), now.place_m[None]))
+        line = self._asked.going_on.get(robot.name)
+        if line is None or not line.charges:
+            return now
+        rows = int(np.searchsorted(line.times_s, line.charges[0].from_s)) + 1
+        changes = np.zeros(rows - 1) if line.accelerations_m_s2 is None else line.accelerations_m_s2[: rows - 1]
+        lands = TimedLine(line.times_s[:rows], line.positions_m[:rows, :2], changes)
+        used_s = charging_legs(line, robot, self._mission.chargers).uses[: rows - 1] * np.diff(lands.times_s)
+        charger = next(one for one in self._mission.chargers if one.name == line.charges[0].charger)
+        return replace(
+            now, place_m=lands.places_m[-1], level_s=now.level_s - float(used_s.sum()), charger=charger, lands=lands
+        )
 
     def _level_s(self, robot: Robot) -> float:
         """What a robot has left; one that is new and on no charger has taken off."""
@@ -80,6 +98,8 @@ class _Takeover:
         """The timetables of the plan before; None where not every robot that remains can fly its flights now."""
         if len({(one.robot.battery, one.robot.ground_speed_m_s, one.robot.sensor) for one in self._flyers}) > 1:
             return None
+        if any(one.lands is None and not drives_at_once(one.robot) for one in self._flyers):
+            return None  # one that is new, and on no charger, has no way of its own
         ground, body_m = free_ground(self._mission), self._robot.body_radius_m
         if not all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops):
             return None

@@ -131,13 +131,15 @@ def _is_alike(one: RegularFlight, other: RegularFlight) -> bool:
 def _regular_flights(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[RegularFlight] | None:
     """The flights of a robot's loop; None where one ends at another charger than it begins at."""
     flights = []
-    for flight in flights_of(line):
+    for flight in flights_of(line, accelerated=True):
         if flight.every_s == 0:
             continue
         if flight.from_charger != flight.charger:
             return None
         charger = next(one for one in chargers if one.name == flight.charger)
         own = steady(flight.times_s, flight.positions_m[:, :2])
+        if (changes := flight.accelerations_m_s2) is not None:
+            own = own._replace(accelerations_m_s2=changes)
         begins_s = flight.starts_s % line.loop_duration_s
         charges_s = charge_s(own, robot, charger)
         flights.append(RegularFlight(line=own, charger=flight.charger, begins_s=begins_s, charges_s=charges_s))
@@ -178,6 +180,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
 def round_of(flown: Sequence[tuple[RegularFlight, float]], turn_s: float, charger_m: Floats) -> Round:
     """One of these rounds as what its robots fly."""
     times, places, charges, now_s = [], [], [], 0.0
+    changes = np.concatenate([np.append(flight.line.accelerations_m_s2, 0.0) for flight, _ in flown])  # 0: charging
     for flight, stays_s in flown:
         times.append(flight.line.times_s + now_s)
         places.append(flight.line.places_m)
@@ -189,7 +192,10 @@ def round_of(flown: Sequence[tuple[RegularFlight, float]], turn_s: float, charge
     places_m[0] = charger_m
     stays = [Charge(charger=name, from_s=a, until_s=b) for name, a, b in charges[:-1]]
     stays.append(Charge(charger=charges[-1][0], from_s=charges[-1][1], until_s=lasts_s))
-    way = Trajectory(robot="round", times_s=times_s, positions_m=places_m, charges=tuple(stays))
+    way = Trajectory(
+        robot="round", times_s=times_s, positions_m=places_m, charges=tuple(stays),
+        accelerations_m_s2=changes if changes.any() else None,
+    )  # fmt: skip
     return Round(way=begin_at(way, -flown[0][0].begins_s), robots=round(lasts_s / turn_s), turn_s=turn_s)
 
 

@@ -76,7 +76,9 @@ def teams_for_places(context: Context, targets: Targets) -> list[Team]:
     for share in (1.0, 0.5, 0.0):  # of what turning round at both ends of each leg takes
         if context.should_stop():
             break
-        legs_s = straight_s + share * (turning_s - straight_s)
+        ways = np.isfinite(straight_s)
+        legs_s = straight_s.copy()
+        legs_s[ways] += share * (turning_s[ways] - straight_s[ways])
         team = Team(targets=targets, shares=best_shares(context, targets, legs_s))
         if not teams or team.robots < teams[0].robots:
             teams.insert(0, team)
