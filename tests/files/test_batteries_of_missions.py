@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
-from rota import NoPlanFound, check_plan, make_plan
+from rota import NoPlanFound, Plan, check_plan, make_plan
 from rota.check.charging import docked_rows
 from rota.files.mission_file import mission_schema, read_mission
 from rota.model.battery_limits import BatteryLimits
@@ -83,19 +83,34 @@ def test_who_hovers_is_relieved_before_its_battery_is_low(tmp_path: Path) -> Non
     assert check_plan(plan).verdict == "met"
 
 
+def least_m_s(plan: Plan) -> float:
+    """The least speed of its robots away from chargers."""
+    found = []
+    for one in plan:
+        speeds_m_s = np.hypot(*np.diff(one.positions_m[:, :2], axis=0).T) / np.diff(one.times_s)
+        found.append(float(speeds_m_s[~docked_rows(one.times_s, one.charges)].min()))
+    return min(found)
+
+
 @pytest.mark.parametrize("standing_endurance_s", [0, 900])
 def test_a_wing_flies_where_a_copter_hovers(tmp_path: Path, standing_endurance_s: float) -> None:
     battery = {"capacity_wh": 100, "moving_w": 200, "charging_w": 100}
     plan = make_plan(read(tmp_path, battery, standing_endurance_s=standing_endurance_s))
-    least_m_s = [
-        float(ways_m[k] / np.diff(one.times_s)[k])
-        for one in plan
-        for ways_m in [np.hypot(*np.diff(one.positions_m[:, :2], axis=0).T)]
-        for k in np.flatnonzero(~docked_rows(one.times_s, one.charges))
-    ]
     # the zone is seen from one place, which a copter does not leave
-    assert min(least_m_s) == (0 if standing_endurance_s else pytest.approx(5, rel=1e-5))
+    assert least_m_s(plan) == (0 if standing_endurance_s else pytest.approx(5, rel=1e-5))
     assert check_plan(plan).verdict == "met"
+
+
+def test_a_wing_circles_at_its_speed_where_others_take_their_time(tmp_path: Path) -> None:
+    battery = {"capacity_wh": 5, "moving_w": 180, "charging_w": 180}
+    wing, other = (
+        make_plan(read(tmp_path, battery, standing_endurance_s=standing_s, turn_radius_m=2)) for standing_s in (0, 90)
+    )
+    # round the circle in 2.5 s, which may take ten times as long
+    assert least_m_s(wing) >= 0.85 * 5
+    assert least_m_s(other) < 1
+    assert len(wing) == len(other)
+    assert check_plan(wing).verdict == "met"
 
 
 def test_where_a_wing_would_have_to_stand_planning_says_so(tmp_path: Path) -> None:

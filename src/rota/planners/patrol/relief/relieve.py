@@ -18,6 +18,7 @@ from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
+    WINGS,
     Handovers,
     Slot,
     handovers_of,
@@ -102,6 +103,11 @@ def nearest_s(handovers: Sequence[Handovers]) -> float:
     return min(float(own.ways_s.min()) for own in handovers)
 
 
+def _for_wings(slot: Slot) -> Slot:
+    """The slot of robots that go round it hardly more slowly than they can."""
+    return slot if slot.line.stays else replace(slot, slowest_s=slot.line.duration_s / WINGS)
+
+
 class _Team:
     """The slots of a mission, and from where chargers are near."""
 
@@ -111,6 +117,7 @@ class _Team:
         self._ways = ways
         self._handovers = handovers_of(slots, mission.chargers, ways)
         self._clearance_s = clearance_of(mission)
+        slots = slots if self._robot.battery.can_stand else [_for_wings(slot) for slot in slots]
         # who comes from a charger to a place beside it has not been there unless it stays for a moment
         self._slots = [
             replace(slot, least_s=max(slot.least_s, MOMENT * slot.most_s * (nearest_s(own) <= SAME_TIME_S)))

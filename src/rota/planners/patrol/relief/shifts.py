@@ -186,8 +186,10 @@ def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: floa
     for jobs in range(1, MOST_JOBS + 1):
         each_s = turns_s / jobs
         fewest = np.maximum(1, np.ceil(each_s / most_s * (1 - SAME_ROUND)))
-        for more in range(8):  # rounds more than a job has at least
-            rounds = fewest + more
+        counts = [fewest + more for more in range(8)]  # rounds more than a job has at least
+        if slot.slowest_s < most_s:  # as many as there is time for, too
+            counts.append(np.clip(np.floor(each_s / least_s * (1 + SAME_ROUND)), fewest, 60))
+        for rounds in counts:
             # rounds are as much shorter as the pause between two robots makes the last one longer
             with np.errstate(divide="ignore", invalid="ignore"):
                 longest_s = (most_s - each_s / rounds) / (slot.passes - 1 / rounds)
@@ -197,7 +199,8 @@ def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: floa
             possible = (pause_s >= 0) & (each_s / rounds <= most_s * (1 + SAME_ROUND))
             if clearance_s > 0:
                 pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
-            yield jobs, rounds, (each_s - pause_s) / rounds, way_s, possible
+            round_s = (each_s - pause_s) / rounds
+            yield jobs, rounds, round_s, way_s, possible & (round_s <= slot.slowest_s)
 
 
 def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
@@ -209,4 +212,5 @@ def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: f
         possible = (turns_s >= least_s * (1 - SAME_ROUND)) & (turns_s <= most_s * (1 + SAME_ROUND))
         if clearance_s > 0:
             pause_s = np.where(pause_s < 2 * way_s + clearance_s, -clearance_s, pause_s)
-        yield parts, 1 / parts, turns_s - parts * pause_s, way_s, possible
+        round_s = turns_s - parts * pause_s
+        yield parts, 1 / parts, round_s, way_s, possible & (round_s <= slot.slowest_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +20,7 @@ from rota.planners.patrol.verdict import Judge
 Floats = NDArray[np.float64]
 
 MOMENT = 1e-3  # of the period, that a robot is at least where another one would stay for ever
+WINGS = 0.85  # of their speed is the least at which robots that cannot stand are planned on loops
 SPOTS = 120  # of a loop, beside its corners, at which robots may change; many numbers divide it
 
 
@@ -29,7 +31,8 @@ class Slot:
     line: its round as fast as it can be driven, from where it is at time 0 of the timetable of all loops. least_s: what
     that takes; a robot that stays need be there for a moment only. most_s: how long a round may take, from one time to
     the next. keeps_step: other loops go round as fast. passes: how often in a round a place may be seen that must be:
-    by so much less than the rest of most_s may one robot come after another.
+    by so much less than the rest of most_s may one robot come after another. slowest_s: how long a round may be driven
+    at most, where its robots cannot wait on it.
     """
 
     line: TimedLine
@@ -37,6 +40,7 @@ class Slot:
     most_s: float
     keeps_step: bool
     passes: float
+    slowest_s: float = math.inf
 
     def slower(self, round_s: float) -> float:
         """By how much longer a round takes than as fast as it can be driven; 1 where its robot stays."""
