@@ -249,6 +249,18 @@ def test_who_has_to_take_off_is_told_before_its_time() -> None:
     assert (conduct.docks["robot-2"].leaves, conduct.docks["robot-2"].plan_s) == (True, TURN_S)
 
 
+def test_a_late_relief_is_waited_for_while_it_climbs_but_not_for_ever() -> None:
+    """Its battery is there 20 s late, by which its team's clock has stood still; it climbs for 15 s."""
+    reliefs, waiting = Reliefs(relieved(3), EVERYBODY), []
+    for now_s in range(0, 60, 5):
+        pad = state("robot-2", (0.0, 0.0), 0.0, 1.0 if now_s >= 20 else 0.2)
+        conduct, _ = reliefs.look(TURN_S + now_s, (pad,), lambda _, now_s=now_s: float(now_s), 15.0)
+        waiting.append((conduct.docks["robot-2"].leaves, conduct.late == ("robot-2",)))
+    assert waiting == [(now_s >= 20, now_s < 20 + 15) for now_s in range(0, 60, 5)]
+    gone, _ = reliefs.look(TURN_S + 60, (state("robot-2", (3.0, 0.0), 60.0, 0.9),), lambda _: 60.0, 15.0)
+    assert (gone.docks, gone.late) == ({}, ())
+
+
 def test_a_robot_on_its_charger_sees_nothing() -> None:
     """Both are at the pad: robot-1 is about to leave it, robot-2 charges there."""
     plan, ages = relieved(3), []

@@ -44,13 +44,14 @@ class Conduct:
 class _Stay:
     """A robot on its charger until the plan has it leave, with what it needs then.
 
-    left_m: where it was when it was told to leave; None: it was not.
+    left_m: where it was when it was told to leave; None: it was not. climbs_until_s: when it is to be ready to go then.
     """
 
     charger: int
     leaves_s: float
     needs_s: float
     left_m: tuple[float, float] | None = None
+    climbs_until_s: float = math.inf
     told_late_s: float | None = None
 
 
@@ -147,12 +148,15 @@ class Reliefs:
         ready = left_s >= enough_s - TOLD_SHARE * (full_s or 0.0)
         if stay.left_m is None and ready and clock_s >= stay.leaves_s - self._lead_s:
             stay.left_m = robot.place_m
+            stay.climbs_until_s = now_s + self._lead_s
             if stay.told_late_s is not None:
                 late_s = now_s - stay.told_late_s
                 self._told.append(
                     _notice(now_s, "relief comes", robot.name, f"{robot.name} comes, {late_s:.0f} s late")
                 )
-        late = stay.left_m is None and clock_s >= stay.leaves_s
+        # one that is late is waited for while it climbs, but not for ever if it does not leave
+        climbs = stay.told_late_s is not None and now_s < stay.climbs_until_s
+        late = (stay.left_m is None or climbs) and clock_s >= stay.leaves_s
         if late and stay.told_late_s is None:
             stay.told_late_s = now_s
             held = "robots hold their posts as long as their batteries let them"
