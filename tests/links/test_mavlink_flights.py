@@ -164,6 +164,26 @@ def test_a_px4_that_somebody_else_has_stopped_is_let_be() -> None:
 
     with flying(replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)) as vehicles:
         with_link(plan, vehicles, fly, "way=mission")
+        assert vehicles[0].modes[-1] == PX4_HOLD
+
+
+def test_a_px4_that_holds_its_post_goes_on_when_the_link_ends() -> None:
+    plan = under_way()
+
+    async def fly(link: Any) -> None:
+        routes = routes_for(plan, link)
+        await send_all(link, routes)
+        await first_reports(link, link.robots)
+        await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
+        await start_all(link, routes)
+        await mode_of(link, "running")
+        await link.keep(Order(robot="a", late_s=0.0, behind_s=0.0, rate=0.0))
+        await asyncio.sleep(0.5)
+        assert vehicles[0].modes[-1] == PX4_HOLD
+
+    with flying(replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)) as vehicles:
+        with_link(plan, vehicles, fly, "way=mission")
+        assert vehicles[0].modes[-1] == MISSION_MODES[0]
 
 
 async def mode_of(link: Any, mode: str) -> None:

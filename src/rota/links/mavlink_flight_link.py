@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from dataclasses import replace
 
 import numpy as np
 
+from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.links.link import Dock, Mode, Order
 from rota.links.mavlink_held import MISSION, as_sent
@@ -48,7 +50,9 @@ class MavlinkFlightLink(MavlinkLink):
         self._leaving: set[str] = set()
         self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S + SENDS_S
         self._spots_m: dict[str, tuple[float, float]] = {}
-        self._hovers: set[str] = set()  # for this link has told them to
+        # PX4s that hold their posts, and copters that hover before and after their flights, as this link has told them
+        self._hold: set[str] = set()
+        self._hovers: set[str] = set()
 
     def _flight_at(self, robot: str, plan_s: float) -> Route | None:
         """The flight that a robot is on, or leaves its charger for, at a moment; None: it stays on it."""
@@ -64,7 +68,7 @@ class MavlinkFlightLink(MavlinkLink):
     def _mode(self, vehicle: MavlinkVehicle) -> Mode | None:
         """One that holds its post, or is on its charger, does what its plan asks for, though its mode is HOLD."""
         robot = vehicle.robot
-        as_planned = robot in self._hovers or (robot in self._ways and not vehicle.in_air)
+        as_planned = robot in self._hold | self._hovers or (robot in self._ways and not vehicle.in_air)
         return "running" if as_planned and vehicle.mode == "paused" else vehicle.mode
 
     def _items(self, route: Route, vehicle: MavlinkVehicle) -> list[WireItem]:
@@ -103,25 +107,35 @@ class MavlinkFlightLink(MavlinkLink):
     async def _hold_or_go_on(self, vehicle: MavlinkVehicle, *, holds: bool) -> None:
         """Let a PX4 on its mission hold, or go on after that; not one whose mode somebody else has changed."""
         robot = vehicle.robot
-        if vehicle.autopilot != "px4" or robot not in self._paces or holds == (robot in self._hovers):
+        if vehicle.autopilot != "px4" or robot not in self._paces or holds == (robot in self._hold):
             return
         if holds and vehicle.mode == "running":
-            self._hovers.add(robot)
+            self._hold.add(robot)
             raw = vehicle.plugin("mission_raw", "MissionRaw")
             await vehicle.ask("holding its post", raw.pause_mission_async)
         elif not holds:
-            if vehicle.mode == "paused":
+            if vehicle.mode in ("paused", "running"):  # it may not have told yet that it holds
                 await self._paces[robot].go_on_from_hold()
-            self._hovers.discard(robot)
+            self._hold.discard(robot)
 
     async def pause(self, robot: str) -> None:
         """Hold, whatever it was told before."""
+        self._hold.discard(robot)
         self._hovers.discard(robot)
         await super().pause(robot)
+
+    async def close(self) -> None:
+        """Who holds its post goes on with its mission first: nobody would let it go later."""
+        held = [self._hold_or_go_on(self._vehicles[robot], holds=False) for robot in sorted(self._hold)]
+        for outcome in await asyncio.gather(*held, return_exceptions=True):
+            if isinstance(outcome, BaseException) and not isinstance(outcome, LinkError):
+                raise outcome
+        await super().close()
 
     async def _stay(self, robot: str, dock: Dock) -> None:
         """Land where it stood at first, if that is at this charger: others stand beside it. Then hold no mission."""
         self._leaving.discard(robot)
+        self._hold.discard(robot)
         vehicle, flown = self._vehicle(robot), self._flown.get(robot)
         if vehicle.in_air:
             await self._land_at(robot, dock)
