@@ -17,6 +17,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.circuits.ground import least_on_circuits
 from rota.planners.patrol.circuits.plan_with_circuits import plan_with_circuits
 from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fewest.search import share_of_progress
 from rota.planners.patrol.planner_settings import MOST_PATROLLING
 from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
@@ -37,10 +38,12 @@ def plan_that_charges(
 ) -> Plan:  # fmt: skip
     """The plan with the fewest robots that charge: ``relieve``, and ``plan_with_circuits`` where that may take fewer.
 
-    Raises NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and where
-    neither finds one.
+    It is one for ``with_reserve(mission)``, and passes the judge as that; its bound is that of what is asked. Raises
+    NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and where neither
+    finds one.
     """
     require_reach(mission)
+    tight = with_reserve(mission)
     problem = set_up_problem(without_batteries(mission))
     bound = charging_bound(problem, mission)
     # loops for circuits, which are as short as can be, take longer
@@ -52,7 +55,7 @@ def plan_that_charges(
     loops = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
     relieved: Plan | NoPlanFound
     try:
-        relieved = relieve(loops, mission, seed=seed, judge=judge)
+        relieved = relieve(replace(loops, mission=endless(tight)), tight, seed=seed, judge=judge)
     except NoPlanFound as failure:
         relieved = failure
     most = _most_on_circuits(mission, relieved, best.robots)
@@ -64,8 +67,8 @@ def plan_that_charges(
             return search(part, progress=share_of_progress(told, begin, end), watch=None)
 
         with suppress(NoPlanFound):
-            found = plan_with_circuits(mission, most=most, seed=seed, judge=judge, search=search_part)
-            return replace(loops, mission=mission, trajectories=found.trajectories)
+            found = plan_with_circuits(tight, most=most, seed=seed, judge=judge, search=search_part)
+            return replace(loops, mission=tight, trajectories=found.trajectories)
     if isinstance(relieved, NoPlanFound):
         raise relieved
     return relieved

@@ -92,12 +92,16 @@ def plan_alike(
     reach sees.
     """
     if mission.chargers:
-        return plan_that_charges(
-            mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            search=partial(
-                plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor, shortens=shortens,
-            ),
+        search = partial(
+            plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor, shortens=shortens,
         )  # fmt: skip
+        try:
+            charging = plan_that_charges(
+                mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch, search=search,
+            )  # fmt: skip
+        except NoPlanFound as failure:
+            raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure
+        return with_full_reach(charging, mission, judge)
     if mission.lanes:
         return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     tight = with_reserve(mission)
@@ -120,6 +124,11 @@ def plan_alike(
             plan = first_led(plans, tight, judge)
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure
+    return with_full_reach(plan, mission, judge)
+
+
+def with_full_reach(plan: Plan, mission: Mission, judge: Judge) -> Plan:
+    """A plan for ``with_reserve(mission)`` as one for the mission; NoPlanFound where full reach alone sees ground."""
     final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
     margin_m = PatrolSettings.of(mission).range_margin_m
     if margin_m > 0 and (verdict := judge(final)).verdict != "met":

@@ -16,6 +16,7 @@ from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol import PatrolSettings
 from rota.planners.patrol.bounds.charging_bound import charging_of
+from rota.planners.patrol.margins import with_reserve
 
 # a corridor as wide as the sensor sees: one robot goes to and fro, past the charger in its middle
 CORRIDOR = Mission(
@@ -76,6 +77,17 @@ def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:
     plan = make_plan(dataclasses.replace(CORRIDOR, period_s=120.0))
     assert len(plan) == 1
     assert check_plan(plan).verdict == "met"
+
+
+def test_reliefs_keep_the_reserve_and_the_bound_is_that_of_the_mission_as_asked() -> None:
+    # without a reserve one robot is enough: it charges 4 s after each round of 37 s; 45 s leave too little time
+    asked = with_battery(CORRIDOR, endurance_s=500, recharge_s=175)
+    careful = dataclasses.replace(asked, planning=PatrolSettings(effort="quick", period_margin=0.1, range_margin_m=0.5))
+    plan = make_plan(careful)
+    assert plan.mission == careful
+    assert check_plan(dataclasses.replace(plan, mission=with_reserve(careful))).verdict == "met"
+    assert (len(make_plan(asked)), len(plan)) == (1, 2)
+    assert plan.lower_bound_robots == make_plan(asked).lower_bound_robots
 
 
 @pytest.mark.parametrize(("standing_s", "robots"), [(400, 3), (200, 4)])

@@ -14,6 +14,7 @@ from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.charging_bound import charging_of
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
@@ -40,7 +41,7 @@ def endless(mission: Mission) -> Mission:
 
     Periods are shorter by what it takes to pass on a loop from body to body.
     """
-    clearance_s = clearance_of(mission)
+    clearance_s = clearance_of(mission) / (1 - PatrolSettings.of(mission).period_margin)  # the reserve takes its share
 
     def shorter_s(period_s: float | None) -> float | None:
         return None if period_s is None else max(period_s - clearance_s, period_s / 2)
