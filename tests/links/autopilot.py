@@ -70,6 +70,7 @@ class Autopilot:
     in_air: bool = False
     silent: bool = False
     heard_from: set[int] = field(default_factory=set)
+    asked_for: set[int] = field(default_factory=set)
     _asker: tuple[int, int] = (0, 0)
     _incoming: list[Any] = field(default_factory=list)
     _expected: tuple[int, int] = (0, 0)
@@ -123,6 +124,11 @@ class Autopilot:
         self.send(self.link.extended_sys_state_encode(0, state), at_once=True)
         home = (round(script.position[0]), round(script.position[1]), HOME_MM)
         self.send(self.link.home_position_encode(*home, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0), at_once=True)
+        if (
+            script.firmware == mav.MAV_AUTOPILOT_ARDUPILOTMEGA
+            and mav.MAVLINK_MSG_ID_BATTERY_STATUS not in self.asked_for
+        ):
+            return  # of its battery it tells who has asked
         cells, more = [4000, 4000, 4000] + [65535] * 7, [0] * 4
         told = (0, 0, 0, 2500, cells, 100, 0, 0, script.battery_percent, 0, 1, more, 0, 0)
         self.send(self.link.battery_status_encode(*told), at_once=True)
@@ -170,6 +176,8 @@ class Autopilot:
             flight.speed_m_s = message.param2
         elif command == mav.MAV_CMD_DO_PAUSE_CONTINUE:
             self.paused = message.param1 == 0
+        elif command == mav.MAV_CMD_SET_MESSAGE_INTERVAL:
+            self.asked_for.add(int(message.param1))
         elif command == mav.MAV_CMD_NAV_TAKEOFF:
             px4 = self.script.firmware == mav.MAV_AUTOPILOT_PX4
             self.in_air, flight.height_m = True, self.params["MIS_TAKEOFF_ALT"] if px4 else message.param7

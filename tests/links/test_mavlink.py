@@ -191,7 +191,7 @@ def test_vehicles_start_hold_and_return_and_say_where_they_are() -> None:
         assert [mode for k, mode in enumerate(main_modes) if mode not in main_modes[:k]] == [(4, 4), (4, 3), (4, 5)]
     assert first.position_m == pytest.approx((0, 0, 25), abs=0.02)
     assert second.position_m == pytest.approx((100.0, 0, 30), abs=0.2)  # 1.343e-3 degrees at 48.1 degrees north
-    assert first.battery == pytest.approx(0.8)
+    assert (first.battery, second.battery) == (pytest.approx(0.8), pytest.approx(0.8))
 
 
 @pytest.mark.parametrize(

@@ -160,17 +160,15 @@ class MavlinkLink(RealTimeLink):
         vehicle.hear_words()
         telemetry.subscribe_battery(charge)
 
-        def fly(in_air: bool, _data: Any) -> None:
-            vehicle.in_air = bool(in_air)
-
         def home(place: Any, _data: Any) -> None:
             vehicle.home = (place.latitude_deg, place.longitude_deg, place.absolute_altitude_m)
 
-        telemetry.subscribe_in_air(fly)
+        telemetry.subscribe_in_air(lambda in_air, _data: setattr(vehicle, "in_air", bool(in_air)))
         telemetry.subscribe_home(home)
         telemetry.subscribe_flight_mode(change)
         telemetry.subscribe_position(locate)
         telemetry.set_rate_position_async(self._settings.rate_hz, lambda *_: None)
+        telemetry.set_rate_battery_async(self._settings.rate_hz, lambda *_: None)  # an ArduPilot tells it who has asked
 
     def _take(self, vehicle: MavlinkVehicle, position: Any) -> None:
         """Take up a place that the vehicle tells, as a report."""
