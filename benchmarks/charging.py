@@ -11,6 +11,7 @@ import itertools
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,12 @@ MOST_RATIO = 1.35  # of robots to the proved bound, over all cases
 TINY = 100
 MOST_BY_FORCE = 2
 RELIEFS, TEAM = 40, 20
+EXAMPLES = Path(__file__).parents[1] / "examples"
+MOTIONS = (
+    ("port-relief", "2.5 m/s2, corners cut by 1.5 m", "  acceleration_m_s2: 2.5\n  corner_m: 1.5\n"),
+    ("port-relief", "turns of 15 m and no standing", "  turn_radius_m: 15\n  standing_endurance_s: 0\n"),
+    ("warehouse-relief", "0.8 m/s2, turns at 1.5 rad/s", "  acceleration_m_s2: 0.8\n  turn_rate_rad_s: 1.5\n"),
+)
 
 
 def charging(options: Options) -> Iterator[Row]:
@@ -46,7 +53,24 @@ def charging(options: Options) -> Iterator[Row]:
         f"{what}, {options.effort}", f"at most {MOST_RATIO} times the bound", measured, robots <= MOST_RATIO * bound
     )
     yield checked_row(min((plan for plan in plans if len(plan) >= TEAM), key=len, default=max(plans, key=len)))
+    yield from (motion_row(options, *each) for each in MOTIONS)
     yield tiny_row()
+
+
+def motion_row(options: Options, name: str, told: str, lines: str) -> Row:
+    """An example whose robots charge, planned at effort quick with these limits of motion, beside that without any."""
+    text = (EXAMPLES / f"{name}.yaml").read_text()
+    path, found = options.folder / f"{name}-in-motion.yaml", list[tuple[Plan, float]]()
+    for fleet in ("fleet:\n", f"fleet:\n{lines}"):
+        path.write_text(text.replace("fleet:\n", fleet))
+        mission, began_s = read_mission(path).mission.with_effort("quick"), time.process_time()
+        found.append((make_plan(mission), time.process_time() - began_s))
+    (without, _), (plan, cpu_s) = found
+    verdict = check_plan(plan).verdict
+    measured = (
+        f"{verdict}, {len(plan)} robots (bound {plan.lower_bound_robots}), {len(without)} without; CPU {cpu_s:.0f} s"
+    )
+    return Row(f"{name}, {told}", "met", measured, verdict == "met")
 
 
 def plan_of_case(options: Options, number: int) -> Plan:

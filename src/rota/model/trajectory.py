@@ -39,6 +39,16 @@ def bends_of(times_s: Floats, positions_m: Floats, accelerations_m_s2: Floats | 
     return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
 
 
+def forward_accelerations(times_s: Floats, positions_m: Floats, accelerations_m_s2: Floats) -> Floats:
+    """Accelerations along legs (n - 1,), none greater than with which a leg begins or ends at rest.
+
+    Where times were told anew, rounding makes one that did so a hair too great.
+    """
+    lengths_m = np.sqrt((np.diff(positions_m, axis=0) ** 2).sum(axis=1))
+    most = 2 * lengths_m / np.diff(times_s) ** 2
+    return np.asarray(np.clip(accelerations_m_s2, -most, most))
+
+
 def require_battery(who: str, times_s: Floats, charges: tuple[Charge, ...], battery: float) -> None:
     """Raise PlanError for charges that overlap, or begin or end between two of the times, and for no share of 1."""
     if not 0 <= battery <= 1:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Sensor
 from rota.model.plan import Charge, Driven, Trajectory
+from rota.model.trajectory import forward_accelerations
 from rota.routes.route import Route, route_of
 
 Floats = NDArray[np.float64]
@@ -208,4 +209,5 @@ def _rows(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, F
     leg = np.clip(np.searchsorted(rows_s, (kept_s[1:] + kept_s[:-1]) / 2, side="right") - 1, 0, max(0, len(along) - 1))
     after = (kept_s[1:] + kept_s[:-1]) / 2 > rows_s[-1]  # a robot that stays
     own = np.where(after, 0.0, along[leg]) if len(along) else np.zeros(len(kept_s) - 1)
-    return kept_s, trajectory.at(kept_s), own
+    places_m = trajectory.at(kept_s)
+    return kept_s, places_m, forward_accelerations(kept_s, places_m, own) if own.any() else own

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
+from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, stretch
 from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.relief.turns import Job, Rotation
@@ -98,7 +99,7 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
         Charge(charger=charger.name, from_s=float(line.times_s[a]), until_s=float(line.times_s[b]))
         for a, b in _runs(docked)
     ]
-    changes = line.accelerations_m_s2
+    changes = forward_accelerations(*line)
     return Trajectory(
         robot=name, times_s=line.times_s, positions_m=line.places_m, charges=tuple(charges),
         accelerations_m_s2=changes if changes.any() else None,

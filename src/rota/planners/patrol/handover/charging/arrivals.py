@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Trajectory
+from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.handover.charging.timetables import Round, begin_at
 from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S, SLOWER
@@ -277,8 +278,10 @@ class _Line:
         changes, onward = np.zeros(len(places_m) - 1), way.accelerations_m_s2
         changes[: len(self._begun.accelerations_m_s2)] = self._begun.accelerations_m_s2
         changes[len(kept) :] = 0.0 if onward is None else onward
+        times_s = np.append(np.array(self._times_s)[kept], way.times_s + joins_s)
+        changes = forward_accelerations(times_s, places_m, changes) if changes.any() else changes
         return Trajectory(
-            robot=robot, times_s=np.append(np.array(self._times_s)[kept], way.times_s + joins_s), positions_m=places_m,
+            robot=robot, times_s=times_s, positions_m=places_m,
             accelerations_m_s2=changes if changes.any() else None, loop_start_s=way.loop_start_s + joins_s,
             charges=(*self._charges, *later), battery=battery,
         )  # fmt: skip

@@ -18,6 +18,7 @@ from scipy.optimize import linear_sum_assignment
 
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Trajectory
+from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.handover.rounds import COMPARED, SAME_M
 from rota.planners.patrol.tolerances import SAME_ROUND
@@ -190,6 +191,7 @@ def round_of(flown: Sequence[tuple[RegularFlight, float]], turn_s: float, charge
     lasts_s = round(now_s / turn_s) * turn_s
     times_s, places_m = np.append(np.concatenate(times), lasts_s), np.vstack([*places, charger_m])
     places_m[0] = charger_m
+    changes = forward_accelerations(times_s, places_m, changes)
     stays = [Charge(charger=name, from_s=a, until_s=b) for name, a, b in charges[:-1]]
     stays.append(Charge(charger=charges[-1][0], from_s=charges[-1][1], until_s=lasts_s))
     way = Trajectory(
