@@ -86,11 +86,7 @@ def test_who_is_under_way_when_the_plan_begins_holds_the_rest_of_that_flight() -
     plan = under_way()
 
     async def fly(link: Any) -> None:
-        routes = routes_for(plan, link)
-        await send_all(link, routes)
-        await first_reports(link, link.robots)
-        await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
-        await start_all(link, routes)
+        await begin(link, plan)
         async with asyncio.timeout(20):
             while vehicles[0].flight.number < len(vehicles[0].items[MISSION]) - 1:
                 await asyncio.sleep(0.05)
@@ -150,11 +146,7 @@ def test_a_px4_that_somebody_else_has_stopped_is_let_be() -> None:
     plan = under_way()
 
     async def fly(link: Any) -> None:
-        routes = routes_for(plan, link)
-        await send_all(link, routes)
-        await first_reports(link, link.robots)
-        await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
-        await start_all(link, routes)
+        await begin(link, plan)
         await mode_of(link, "running")
         vehicles[0].modes.append(PX4_HOLD)  # by its remote control
         await mode_of(link, "paused")
@@ -171,11 +163,7 @@ def test_a_px4_that_holds_its_post_goes_on_when_the_link_ends() -> None:
     plan = under_way()
 
     async def fly(link: Any) -> None:
-        routes = routes_for(plan, link)
-        await send_all(link, routes)
-        await first_reports(link, link.robots)
-        await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
-        await start_all(link, routes)
+        await begin(link, plan)
         await mode_of(link, "running")
         await link.keep(Order(robot="a", late_s=0.0, behind_s=0.0, rate=0.0))
         await asyncio.sleep(0.5)
@@ -184,6 +172,15 @@ def test_a_px4_that_holds_its_post_goes_on_when_the_link_ends() -> None:
     with flying(replace(ON_PAD, firmware=mav.MAV_AUTOPILOT_PX4)) as vehicles:
         with_link(plan, vehicles, fly, "way=mission")
         assert vehicles[0].modes[-1] == MISSION_MODES[0]
+
+
+async def begin(link: Any, plan: Plan) -> None:
+    """Send and start all as the command does."""
+    routes = routes_for(plan, link)
+    await send_all(link, routes)
+    await first_reports(link, link.robots)
+    await Flights(link, plan.mission, lambda _: None).gather(routes_of(plan))
+    await start_all(link, routes)
 
 
 async def mode_of(link: Any, mode: str) -> None:

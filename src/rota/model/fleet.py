@@ -127,7 +127,7 @@ class Robot(Abilities, as_fleet=True):
 
     @property
     def turns_at_once(self) -> bool:
-        """Whether it turns on the spot and in no time."""
+        """Whether it turns on the spot, and changes its speed, in no time."""
         return self.turn_rate_rad_s is None and self.turn_radius_m == 0 and not self.motion.has_mass
 
     @property

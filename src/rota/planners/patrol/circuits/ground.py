@@ -32,7 +32,6 @@ from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fixed_team.one_loop import ample_s
 from rota.planners.patrol.relief.relieve import without_batteries
 from rota.planners.patrol.relief.slots import MOMENT
-from rota.planners.patrol.relief.ways import drives_at_once
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SAME_TIME_S, SLOWER
 from rota.planners.patrol.traffic.starts.approaches import timed_approach, without_short_legs
 
@@ -181,7 +180,7 @@ def _circuit(charger: Charger, parts_m: Sequence[Floats], period_s: float, missi
     """
     robot, battery = mission.fleet.equal_robot("robot-1"), mission.fleet.battery
     stays_s = MOMENT * period_s if len(parts_m[1]) == 1 and battery.can_stand else 0.0
-    if drives_at_once(robot):
+    if robot.turns_at_once:
         line = _at_once(parts_m, stays_s, robot.ground_speed_m_s * SLOWER)
     else:
         ways_m = [np.vstack(parts_m[:2]), parts_m[2]] if stays_s else [np.vstack(parts_m)]

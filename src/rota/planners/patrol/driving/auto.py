@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory, Waypoints
+from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.corner_costs import (
     LONGEST_REACHES,
     CornerCosts,
@@ -64,8 +65,7 @@ class Auto:
             return steady(np.zeros(1), vertices_m)
         rows = self._rows(vertices_m)
         times_s, places_m = rows[:, 0].copy(), rows[:, 1:3].copy()
-        most = 2 * np.hypot(*np.diff(places_m, axis=0).T) / np.diff(times_s) ** 2  # so that no leg begins backwards
-        return TimedLine(times_s, places_m, np.clip(rows[1:, 3], -most, most))
+        return TimedLine(times_s, places_m, forward_accelerations(times_s, places_m, rows[1:, 3]))
 
     def begin_at_a_corner(self, robot: str, vertices_m: Floats, phase_s: float) -> Trajectory | None:
         """A robot that goes round for ever, ``phase_s`` into its round at time 0, as its autopilot can begin it.

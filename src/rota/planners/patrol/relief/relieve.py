@@ -28,7 +28,7 @@ from rota.planners.patrol.relief.slots import (
     without_waits,
 )
 from rota.planners.patrol.relief.turns import rotations_of
-from rota.planners.patrol.relief.ways import Ways, drives_at_once
+from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
@@ -84,7 +84,7 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
     slots = slots_of(loops, ratio)
     slower = slower_slots(loops, slots, judge)
     robot = mission.fleet.equal_robot("robot-1")
-    hasty = without_waits(slower, robot.ground_speed_m_s) if drives_at_once(robot) else slower
+    hasty = without_waits(slower, robot.ground_speed_m_s) if robot.turns_at_once else slower
     tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
     ways, found = Ways(robot, PathsByBody(mission)), None
     for tried, number in itertools.product(

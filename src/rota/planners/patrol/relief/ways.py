@@ -25,11 +25,6 @@ Floats = NDArray[np.float64]
 MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a battery lasts for whole rounds from there
 
 
-def drives_at_once(robot: Robot) -> bool:
-    """Whether a robot turns and changes its speed in no time."""
-    return robot.turn_rate_rad_s is None and robot.turn_radius_m == 0 and not robot.motion.has_mass
-
-
 class Motion(NamedTuple):
     """How a round is driven at a place (2,): in a direction (2,) of length 1, and how fast; no direction: it stays.
 
@@ -67,7 +62,7 @@ class Ways:
     def __init__(self, robot: Robot, paths_by_body: PathsByBody) -> None:
         self._robot, self._paths_by_body = robot, paths_by_body
         self._paths = paths_by_body.paths(robot.body_radius_m)
-        self._at_once = drives_at_once(robot)
+        self._at_once = robot.turns_at_once
         self._known: dict[bytes, Way | None] = {}
 
     def last_s(self, line: TimedLine, phases_s: Floats, chargers_m: Floats, slower: float) -> Floats:
@@ -81,9 +76,9 @@ class Ways:
             return straight_s
         both = list(zip(*(motions_of(line, phases_s, before=before) for before in (False, True)), strict=True))
         found = np.full(straight_s.shape, np.inf)
+        rest_s = self._robot.battery.usable_s - line.duration_s * slower
         for own_s, nearest_s, charger_m in zip(found, straight_s, chargers_m, strict=True):
             for n, k in enumerate(np.argsort(nearest_s, kind="stable")):
-                rest_s = self._robot.battery.usable_s - line.duration_s * slower
                 if n >= MOST_LOOKED_AT and 2 * float(own_s.min()) <= rest_s:
                     break
                 own_s[k] = self._longer_s(charger_m, both[k], slower)

@@ -26,7 +26,6 @@ from rota.planners.patrol.handover.charging.timetables import (
     timetables_of,
 )
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
-from rota.planners.patrol.relief.ways import drives_at_once
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
@@ -63,7 +62,7 @@ class _Takeover:
             robot=robot, place_m=np.array(self._asked.places[robot.name]), level_s=self._level_s(robot),
             charger=self._charger_of(robot.name),
         )  # fmt: skip
-        if drives_at_once(robot):
+        if robot.turns_at_once:
             return now
         if now.charger is not None:
             return replace(now, lands=steady(np.zeros(1), now.place_m[None]))
@@ -98,7 +97,7 @@ class _Takeover:
         """The timetables of the plan before; None where not every robot that remains can fly its flights now."""
         if len({(one.robot.battery, one.robot.ground_speed_m_s, one.robot.sensor) for one in self._flyers}) > 1:
             return None
-        if any(one.lands is None and not drives_at_once(one.robot) for one in self._flyers):
+        if any(one.lands is None and not one.robot.turns_at_once for one in self._flyers):
             return None  # one that is new, and on no charger, has no way of its own
         ground, body_m = free_ground(self._mission), self._robot.body_radius_m
         if not all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops):
