@@ -113,3 +113,13 @@ def test_two_of_three_fly_in_longer_turns_however_much_mass_they_have(cutting: P
     stays_s = max(one.until_s - one.from_s for one in charges)
     (demand,) = found.report.demands
     assert stays_s / 4 < demand.worst_gap_s < stays_s / 4 + 70
+
+
+def test_a_new_one_with_mass_comes_to_a_charger_first(cutting: Plan) -> None:
+    """It stands 80 m from the charger: from rest to rest in 8 + 4 s, and takes the place of one that is lost."""
+    found = replan(cutting, at_s=250.0, lost=["robot-2"], joined={"new": (20.0, 5.0)})
+    assert {violation.kind for violation in found.report.violations} <= {"gap"}
+    new = found.plan["new"]
+    assert new.charges[0].from_s == pytest.approx(80 / SPEED_M_S + SPEED_M_S / A_M_S2, rel=SPARE)
+    assert found.report.lateness is not None
+    assert found.report.lateness.holds_again_s is not None

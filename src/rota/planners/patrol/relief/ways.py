@@ -86,7 +86,7 @@ class Ways:
 
     def _longer_s(self, charger_m: Floats, both: Sequence[Motion], slower: float) -> float:
         """Seconds of the longer of the ways there and back; inf: there is none."""
-        ways = [self._way(charger_m, at) for at in both]
+        ways = [self.way(charger_m, at) for at in both]
         return max(math.inf if way is None else way.lasts_s(slower) for way in ways)
 
     def into(self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float) -> TimedLine:
@@ -105,11 +105,11 @@ class Ways:
         if self._at_once:
             way_m = self._paths.path(charger_m, at.place_m)
             return steady(_shares(way_m) * lasts_s, way_m)
-        way = self._way(charger_m, at)
+        way = self.way(charger_m, at)
         assert way is not None, "a handover with a way has one"
         return way.line_to(slower)
 
-    def _way(self, charger_m: Floats, at: Motion) -> Way | None:
+    def way(self, charger_m: Floats, at: Motion) -> Way | None:
         """The way from a charger (2,) into a round, kept for the next time; None: walls leave no room for it."""
         heading = np.zeros(2) if at.direction is None else at.direction
         key = np.concatenate([charger_m, at.place_m, heading, [at.speed_m_s]]).tobytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -26,6 +27,7 @@ from rota.planners.patrol.handover.charging.timetables import (
     timetables_of,
 )
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
+from rota.planners.patrol.relief.ways import Motion, Ways
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
@@ -53,7 +55,8 @@ class _Takeover:
         self._asked, self._mission = asked, asked.mission
         robots = asked.mission.fleet.robots or ()
         self._robot = max(robots, key=lambda robot: robot.body_radius_m)
-        self._paths = PathsByBody(asked.mission).paths(self._robot.body_radius_m)
+        by_body = PathsByBody(asked.mission)
+        self._paths, self._ways = by_body.paths(self._robot.body_radius_m), Ways(self._robot, by_body)
         self._flyers = [self._flyer(robot) for robot in robots]
 
     def _flyer(self, robot: Robot) -> Flyer:
@@ -67,7 +70,9 @@ class _Takeover:
         if now.charger is not None:
             return replace(now, lands=steady(np.zeros(1), now.place_m[None]))
         line = self._asked.going_on.get(robot.name)
-        if line is None or not line.charges:
+        if line is None:
+            return self._comes_to_a_charger(now)
+        if not line.charges:
             return now
         rows = int(np.searchsorted(line.times_s, line.charges[0].from_s)) + 1
         changes = np.zeros(rows - 1) if line.accelerations_m_s2 is None else line.accelerations_m_s2[: rows - 1]
@@ -76,6 +81,18 @@ class _Takeover:
         charger = next(one for one in self._mission.chargers if one.name == line.charges[0].charger)
         return replace(
             now, place_m=lands.places_m[-1], level_s=now.level_s - float(used_s.sum()), charger=charger, lands=lands
+        )
+
+    def _comes_to_a_charger(self, new: Flyer) -> Flyer:
+        """One that is new, and stands away from chargers, on its way to the one that it comes to soonest."""
+        stands = Motion(new.place_m, None, 0.0, math.inf)
+        ways = [(one, self._ways.way(np.array(one.at), stands)) for one in self._mission.chargers]
+        lines = [(one, way.line_to(1.0).backwards()) for one, way in ways if way is not None]
+        if not lines:
+            return new
+        charger, lands = min(lines, key=lambda each: each[1].duration_s)
+        return replace(
+            new, place_m=lands.places_m[-1], level_s=new.level_s - lands.duration_s, charger=charger, lands=lands
         )
 
     def _level_s(self, robot: Robot) -> float:
@@ -98,7 +115,7 @@ class _Takeover:
         if len({(one.robot.battery, one.robot.ground_speed_m_s, one.robot.sensor) for one in self._flyers}) > 1:
             return None
         if any(one.lands is None and not one.robot.turns_at_once for one in self._flyers):
-            return None  # one that is new, and on no charger, has no way of its own
+            return None  # one that never charges, or has no way to a charger
         ground, body_m = free_ground(self._mission), self._robot.body_radius_m
         if not all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops):
             return None
