@@ -149,6 +149,23 @@ def test_tangents_of_a_parabola_keep_its_acceleration_exactly(corner: float) -> 
     assert {each.kind for each in found(way, **{**limits, "acceleration_m_s2": 2.99})} >= {"acceleration"}
 
 
+@pytest.mark.parametrize("moment_s", [1e-6, 1e-9, 1e-10, 1e-11])
+def test_a_leg_of_a_moment_hides_no_corner(moment_s: float) -> None:
+    """Nobody can tell its velocity, but there and back at 5 m/s is a jump by 10 m/s, at the seam, too."""
+    way = driven([(10, (5, 0), 0), (moment_s, (0, 0), 0), (10, (-5, 0), 0), (moment_s, (0, 0), 0)], loop=True)
+    assert {round(each.time_s or 0.0, 5) for each in found(way, acceleration_m_s2=1.0)} == {0.0, 10.0}
+
+
+def test_a_leg_of_a_moment_in_a_ramp_changes_nothing() -> None:
+    begin, end = ramp((1, 0), 0.0, 4.0, 2.0), ramp((1, 0), 4.0, 0.0, 2.0)
+    for parts in (1.0, 1e-7), (1e-7, 1.0):
+        cut = [(0.5 * parts[0], (parts[0] / 2, 0), 2.0), (0.5 * parts[1], (parts[0] + parts[1] / 2, 0), 2.0)]
+        rest_s = 2.0 - 0.5 * sum(parts)
+        cut.append((rest_s, (4.0 - rest_s, 0), 2.0))
+        assert found(driven([*cut, (3, (4, 0), 0), end]), acceleration_m_s2=2.0) == []
+    assert found(driven([begin, (3, (4, 0), 0), end]), acceleration_m_s2=2.0) == []
+
+
 def test_the_seam_of_a_loop_is_a_vertex_like_the_others() -> None:
     """The same loop, begun in the middle of a rounding, of a ramp, and at its beginning."""
     way = rounded_square()

@@ -35,6 +35,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
+VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 
 
@@ -67,14 +68,15 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot) -> list[Violat
     most_m_s2 = robot.motion.acceleration_m_s2
     if most_m_s2 is None or len(trajectory.times_s) == 1:
         return []
-    motion = _motion_of(trajectory)
+    motion = _without_vague_legs(_motion_of(trajectory))
     corner_m_s2 = robot.motion.corner_acceleration_m_s2 or most_m_s2
     violations = _along_violations(trajectory, most_m_s2)
     violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop's first point may be one on a leg; then what tells is the motion without it
         without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3)
-        violations += [each for each in _jerk_violations(trajectory, motion, most_m_s3) if _is_among(each, without)]
+        jerks = _jerk_violations(trajectory, motion, most_m_s3)
+        violations += [each for each in jerks if _is_among(each, without)]
     return violations
 
 
@@ -106,6 +108,28 @@ def _motion_of(trajectory: Trajectory) -> _Motion:
     if not loops or first > 0:
         motion = for_ever.join(motion)
     return motion if loops else motion.join(for_ever)
+
+
+def _without_vague_legs(motion: _Motion) -> _Motion:
+    """The motion with legs too short to tell their velocity as part of the legs before them.
+
+    Nobody can say of such a leg whether the velocity jumps at its ends; but what it jumps by from the leg before to the
+    leg after is told. So a corner, or a turn back, with a moment's leg in it is judged as one without. Those that come
+    first are left out: of a loop they come again after the last one.
+    """
+    told = motion.noise_m_s <= VAGUE_M_S
+    if told.all() or not told.any():
+        return motion
+    first = np.flatnonzero(told)
+    changes = np.where(told[:, None], 0.0, motion.end_m_s - motion.begin_m_s)
+    return _Motion(
+        begin_m_s=motion.begin_m_s[first],
+        end_m_s=motion.end_m_s[first] + np.add.reduceat(changes, first),
+        acceleration_m_s2=motion.acceleration_m_s2[first],
+        lasts_s=np.add.reduceat(motion.lasts_s, first),
+        noise_m_s=motion.noise_m_s[first],
+        points=motion.points[first],
+    )
 
 
 def _without_cuts(motion: _Motion, at: int | None = None) -> _Motion:
