@@ -58,24 +58,26 @@ class _Motion(NamedTuple):
         return _Motion(*(np.concatenate(both) for both in zip(self, other, strict=True)))
 
 
-def acceleration_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
+def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: bool = True) -> list[Violation]:
     """Legs and vertices at which a robot would have to accelerate more than it can, and jerks; at most 20 of a kind.
 
     Kinds: "acceleration" along a leg, and where the speed jumps; "corner acceleration" where the direction does; "jerk"
     where accelerations change, see ``_jerk_violations``. Each is told with the least value that the plan asks for.
-    Robots whose limits state no acceleration have none of these.
+    Robots whose limits state no acceleration have none of these. from_rest: whether what is before the trajectory is
+    known: rest, or the loop that begins at 0. If it is not, the first leg is judged with what is told of it.
     """
     most_m_s2 = robot.motion.acceleration_m_s2
     if most_m_s2 is None or len(trajectory.times_s) == 1:
         return []
-    motion = _without_vague_legs(_motion_of(trajectory))
+    motion = _without_vague_legs(_motion_of(trajectory, from_rest))
     corner_m_s2 = robot.motion.corner_acceleration_m_s2 or most_m_s2
     violations = _along_violations(trajectory, most_m_s2)
-    violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2)
+    whole = not from_rest or bool(np.isinf(motion.lasts_s[0]))
+    violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop's first point may be one on a leg; then what tells is the motion without it
-        without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3)
-        jerks = _jerk_violations(trajectory, motion, most_m_s3)
+        without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3, whole)
+        jerks = _jerk_violations(trajectory, motion, most_m_s3, whole)
         violations += [each for each in jerks if _is_among(each, without)]
     return violations
 
@@ -85,7 +87,7 @@ def _is_among(one: Violation, others: list[Violation]) -> bool:
     return any(one.time_s == other.time_s for other in others)
 
 
-def _motion_of(trajectory: Trajectory) -> _Motion:
+def _motion_of(trajectory: Trajectory, from_rest: bool) -> _Motion:
     """The legs of a trajectory as its robot drives them."""
     times, places, first = trajectory.times_s, trajectory.positions_m, trajectory.loop_index
     steps, lasts = np.diff(places, axis=0), np.diff(times)
@@ -105,7 +107,7 @@ def _motion_of(trajectory: Trajectory) -> _Motion:
     )
     still = np.zeros((1, places.shape[1]))
     for_ever = _Motion(still, still, still, np.full(1, math.inf), np.zeros(1), np.full(1, count))
-    if not loops or first > 0:
+    if from_rest and (not loops or first > 0):
         motion = for_ever.join(motion)
     return motion if loops else motion.join(for_ever)
 
@@ -168,9 +170,9 @@ def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violatio
 
 
 def _vertex_violations(
-    trajectory: Trajectory, motion: _Motion, most_m_s2: float, corner_m_s2: float
+    trajectory: Trajectory, motion: _Motion, most_m_s2: float, corner_m_s2: float, begins_whole: bool
 ) -> list[Violation]:
-    """Jumps of velocity that no motion within 5 cm drives; see the module."""
+    """Jumps of velocity that no motion within 5 cm drives; see the module. begins_whole: the first leg is no piece."""
     jump = motion.begin_m_s[1:] - motion.end_m_s[:-1]
     size = _sizes(jump)
     noise = motion.noise_m_s[1:] + motion.noise_m_s[:-1]
@@ -188,7 +190,7 @@ def _vertex_violations(
     asked, limit = np.where(lateral, by_corner, asked), np.where(lateral, corner_m_s2, limit)
     # beside legs that are cut off where the rounds begin and end, vertices are judged in another round
     whole = np.ones(len(size), np.bool_)
-    whole[:1] &= np.isinf(motion.lasts_s[:1])
+    whole[:1] &= begins_whole
     whole[-1:] &= np.isinf(motion.lasts_s[-1:])
     violations: dict[int, Violation] = {}
     for j in np.flatnonzero(whole & (size > 0) & (asked > limit * (1 + ACCELERATION_TOLERANCE))):
@@ -230,7 +232,7 @@ def _windows_s(needed_s: Floats, lasts_s: Floats) -> Floats:
     return np.asarray(np.minimum(before, after))
 
 
-def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float) -> list[Violation]:
+def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float, begins_whole: bool) -> list[Violation]:
     """Changes of the acceleration that are faster than the robot's jerk allows.
 
     The velocity at a vertex is the mean of what it is just before and just after, the acceleration of a leg what makes
@@ -253,7 +255,7 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float) 
     jerk = np.maximum(0.0, _sizes(np.diff(phase, axis=0)) - noise[1:] - noise[:-1]) / ((lasts_s[1:] + lasts_s[:-1]) / 2)
     # phases that are cut off where the rounds begin and end are judged in another round
     whole = np.ones(len(first), np.bool_)
-    whole[0], whole[-1] = np.isinf(lasts_s[0]), np.isinf(lasts_s[-1])
+    whole[0], whole[-1] = begins_whole, np.isinf(lasts_s[-1])
     violations: dict[int, Violation] = {}
     for j in np.flatnonzero((jerk > most_m_s3 * (1 + ACCELERATION_TOLERANCE)) & whole[1:] & whole[:-1]):
         k = int(motion.points[first[j + 1]])

@@ -15,7 +15,6 @@ from rota.check.accelerations import acceleration_violations
 from rota.check.blocking import blocks_motion
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
-from rota.check.seams import judged_until_s
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
 from rota.check.turning import MOST_PER_ROBOT, turn_radius_violations, turn_violations
@@ -43,10 +42,8 @@ def motion_violations(plan: Plan) -> list[Violation]:
         violations += _place_violations(trajectory, robot, into_obstacles[k], "obstacle")
         violations += speed_violations(trajectory, robot)
         violations += turn_violations(trajectory, robot)
-        begun = acceleration_violations(trajectory, robot) + turn_radius_violations(trajectory, robot)
-        # how it begins that was under way before, seam_violations tells
-        told_s = judged_until_s(trajectory) if trajectory.robot in under_way else -1.0
-        violations += [one for one in begun if one.time_s is None or one.time_s > told_s]
+        if trajectory.robot not in under_way:  # of those that were, seam_violations tells with what they drove before
+            violations += acceleration_violations(trajectory, robot) + turn_radius_violations(trajectory, robot)
         violations += altitude_violations(trajectory, robot, mission)
     return violations
 

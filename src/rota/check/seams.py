@@ -11,10 +11,11 @@ from rota.check.accelerations import acceleration_violations
 from rota.check.report import Violation, violation
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.check.turning import turn_radius_violations, turn_violations
+from rota.errors import PlanError
 from rota.model.mission import Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 
-ROWS = 12  # on either side of the change: enough for what a corner or a jump of speed takes of the legs beside it
+ROWS = 12  # of what was driven last: enough for what a corner or a jump of speed takes of the legs beside it
 
 
 def seam_violations(plan: Plan) -> list[Violation]:
@@ -42,48 +43,78 @@ def seam_violations(plan: Plan) -> list[Violation]:
     return violations
 
 
-def judged_until_s(trajectory: Trajectory) -> float:
-    """Until when curves and changes of speed of a robot that drove before are judged with what it drove.
-
-    Alone, the leg that the change cuts would leave less room beside a corner than there is.
-    """
-    return float(trajectory.times_s[min(ROWS, len(trajectory.times_s) - 1)])
-
-
 def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> list[Violation]:
-    """Turns and changes of speed about the moment of the change that the robot cannot drive."""
-    before_s = driven.times_s[-ROWS:]
-    lasts_s = -float(before_s[0])
-    if (np.diff(trajectory.times_s + lasts_s) <= 0).any():  # a leg so short that it is no leg a little later
+    """Turns about the moment of the change, and curves and changes of speed ever after, that the robot cannot drive.
+
+    What was driven before is believed: a fault in it is told if it would be none had the robot gone straight on.
+    """
+    before = _Before(driven, trajectory)
+    try:
+        joined = before.goes_on(trajectory)
+    except PlanError:  # so long ago, or legs so short, that they are none a little later
         return [violation("turn", robot.name, trajectory.positions_m[0, :2], 0.0, 0.0, SAME_TIME, "s")]
-    given = [driven.accelerations_m_s2, trajectory.accelerations_m_s2]
-    legs = [len(before_s) - 1, len(trajectory.times_s) - 1]
-    changes = [
-        np.zeros(count) if own is None else own[len(own) - count :] for own, count in zip(given, legs, strict=True)
-    ]
-    joined = replace(
-        trajectory,
-        times_s=np.concatenate([before_s[:-1] + lasts_s, trajectory.times_s + lasts_s]),
-        positions_m=np.vstack([driven.positions_m[-ROWS:-1], trajectory.positions_m[:, :2]]),
-        accelerations_m_s2=None if all(own is None for own in given) else np.concatenate(changes),
-        headings_rad=None,
-        waypoints=None,
-        loop_start_s=trajectory.loop_start_s + lasts_s,
-        charges=_charges_across(driven, trajectory, -lasts_s),
-    )
-    ends_s = lasts_s + judged_until_s(trajectory)
-    turns, found = turn_violations(joined, robot), turn_radius_violations(joined, robot)
-    found += acceleration_violations(joined, robot)
-    # a turn that was under way is told of where it began
-    moved = np.flatnonzero((np.diff(joined.positions_m[: len(before_s)], axis=0) != 0).any(axis=1))
-    since_s = float(joined.times_s[moved[-1] + 1]) if len(moved) else lasts_s
-    slack_s = SAME_TIME * max(1.0, lasts_s)
+    from_rest, slack_s = before.lasts_s == 0, SAME_TIME * max(1.0, before.lasts_s)
+    own: set[tuple[str, float | None]] = set()
+    if not from_rest:
+        straight = before.goes_on(before.straight_on())
+        own = {(one.kind, one.time_s) for one in turn_violations(straight, robot) + _curves(straight, robot, False)}
+    # turns later on are told of the trajectory alone
+    turns = [one for one in turn_violations(joined, robot) if (one.time_s or 0.0) <= before.lasts_s + slack_s]
     return [
-        replace(one, time_s=max(0.0, one.time_s - lasts_s))
-        for own, until_s in ((turns, lasts_s), (found, ends_s))
-        for one in own
-        if one.time_s is not None and since_s - slack_s <= one.time_s <= until_s + slack_s
+        replace(one, time_s=max(0.0, one.time_s - before.lasts_s))
+        for one in turns + _curves(joined, robot, from_rest)
+        if one.time_s is not None and (one.time_s >= before.lasts_s - slack_s or (one.kind, one.time_s) not in own)
     ]
+
+
+def _curves(trajectory: Trajectory, robot: Robot, from_rest: bool) -> list[Violation]:
+    """Curves and changes of speed that the robot cannot drive."""
+    found = turn_radius_violations(trajectory, robot)
+    return found + acceleration_violations(trajectory, robot, from_rest=from_rest)
+
+
+class _Before:
+    """The last that a robot drove before a plan took over, for ``lasts_s``, up to where its trajectory begins."""
+
+    def __init__(self, driven: Driven, trajectory: Trajectory) -> None:
+        self._driven, self._times_s = driven, driven.times_s[-ROWS:]
+        self.lasts_s = -float(self._times_s[0])
+        self._places_m = np.vstack([driven.positions_m[-ROWS:-1], trajectory.positions_m[:1, :2]])
+        self._changes_m_s2 = np.zeros(len(self._times_s) - 1)
+        if (own := driven.accelerations_m_s2) is not None:
+            self._changes_m_s2 = own[len(own) - len(self._changes_m_s2) :]
+
+    def straight_on(self) -> Trajectory:
+        """From where it was on, as fast as it was: for so long that nothing before depends on how that ends."""
+        lasts_s, way_m = float(np.diff(self._times_s[-2:])[0]), np.diff(self._places_m[-2:], axis=0)[0]
+        velocity_m_s = way_m / lasts_s * (1 + self._driven.bends[-1])
+        places_m = self._places_m[-1] + np.array([[0.0], [100.0]]) * velocity_m_s
+        return Trajectory(
+            robot=self._driven.robot, times_s=np.array([0.0, 100.0]), positions_m=places_m, loop_start_s=100.0
+        )
+
+    def goes_on(self, trajectory: Trajectory) -> Trajectory:
+        """What was driven and then the trajectory; PlanError where times cannot be told from one another."""
+        times_s = np.concatenate([self._times_s[:-1], trajectory.times_s]) + self.lasts_s
+        places_m = np.vstack([self._places_m[:-1], trajectory.positions_m[:, :2]])
+        changes_m_s2 = None
+        if self._driven.accelerations_m_s2 is not None or trajectory.accelerations_m_s2 is not None:
+            given = trajectory.accelerations_m_s2
+            given = np.zeros(len(trajectory.times_s) - 1) if given is None else given
+            # a leg from or to rest is so with the times as they are now, and from where it is said to begin
+            with np.errstate(divide="ignore", invalid="ignore"):
+                most_m_s2 = 2 * np.hypot(*np.diff(places_m, axis=0).T) / np.diff(times_s) ** 2
+            changes_m_s2 = np.clip(np.concatenate([self._changes_m_s2, given]), -most_m_s2, most_m_s2)
+        return replace(
+            trajectory,
+            times_s=times_s,
+            positions_m=places_m,
+            accelerations_m_s2=changes_m_s2,
+            headings_rad=None,
+            waypoints=None,
+            loop_start_s=trajectory.loop_start_s + self.lasts_s,
+            charges=_charges_across(self._driven, trajectory, -self.lasts_s),
+        )
 
 
 def _charges_across(driven: Driven, trajectory: Trajectory, from_s: float) -> tuple[Charge, ...]:
