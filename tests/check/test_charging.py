@@ -69,6 +69,12 @@ def test_a_battery_that_is_charged_too_little_each_round_is_told() -> None:
     assert told(Plan(mission=mission(), trajectories=(there_and_back(docked_s=40),))) == []
 
 
+@pytest.mark.parametrize("round_s", [1e-6, 1e-3, 1.0])
+def test_rounds_of_a_moment_hide_no_battery_that_runs_down(round_s: float) -> None:
+    stands = Trajectory(robot="a", times_s=np.array([0.0, round_s]), positions_m=np.zeros((2, 2)))
+    assert told(Plan(mission=mission(), trajectories=(stands,))) == [("takes more than it charges", "a")]
+
+
 def test_a_swapped_battery_is_full_after_that_time_and_not_before() -> None:
     swaps = dataclasses.replace(PAD, swap_s=30)
     for docked_s, kinds in ((30, []), (29, ["battery below its reserve"])):

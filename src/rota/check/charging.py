@@ -274,7 +274,7 @@ def _below_reserve(trajectory: Trajectory, robot: Robot, levels: Levels) -> list
         rises = np.flatnonzero(np.diff(levels.levels_s[k:]) > 0)
         least_s = levels.levels_s[k : k + int(rises[0]) + 1 if len(rises) else None].min()
         return [violation(kind, trajectory.robot, trajectory.at(time_s), time_s, least_s, reserve_s, "s")]
-    if levels.falls_s > BATTERY_S:
+    if levels.falls_s > BATTERY_S * min(1.0, trajectory.loop_duration_s):  # of rounds of a moment a share of that
         rounds = math.ceil((float(levels.levels_s.min()) - reserve_s) / levels.falls_s)
         time_s = float(levels.times_s[-1]) + max(rounds - 1, 0) * trajectory.loop_duration_s
         end_m = trajectory.positions_m[-1]
