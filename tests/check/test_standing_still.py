@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from tests.check.test_charging import mission
@@ -45,6 +47,30 @@ def test_on_its_charger_a_wing_stands_and_others_do_anywhere() -> None:
     for battery, rows in ((WING, [(30, 10), (40, 0)]), (copter, [(30, 10), (33, 10), (43, 0)])):
         plan = Plan(mission=mission(battery), trajectories=(flown(*rows),))
         assert check_plan(plan).verdict == "met"
+
+
+@pytest.mark.parametrize("creeps_m", [1e-8, 1e-3])
+def test_a_wing_that_creeps_stands(creeps_m: float) -> None:
+    """To and fro on the spot, by turns with a moment at full speed: nothing flies at a thousandth of its speed."""
+    rows = [(30.0, 10.0)]
+    for k in range(4):
+        time_s, x_m = rows[-1][0] + 2, 10 - creeps_m * (k % 2 == 0)
+        rows += [(time_s, x_m), (time_s + 1e-6, x_m - 5e-7)]
+    found = check_plan(Plan(mission=mission(WING), trajectories=(flown(*rows, (49, 0)),))).violations
+    assert [(one.kind, one.time_s) for one in found] == [("stands though it cannot", 30)]
+
+
+@pytest.mark.parametrize("row", [(30 + 1e-10, 10), (30 + 1e-10, 10 - 1e-10), (30 + 1e-10, 10 - 1e-13)])
+def test_a_leg_of_a_moment_is_no_stay(row: tuple[float, float]) -> None:
+    assert check_plan(Plan(mission=mission(WING), trajectories=(flown((30, 10), row, (41, 0)),))).verdict == "met"
+
+
+@pytest.mark.parametrize("parts", [1, 500])
+def test_loops_of_a_moment_hide_no_stay(parts: int) -> None:
+    rows = [(30 + 1e-6 * k / parts, 10.0) for k in range(parts + 1)]
+    way = dataclasses.replace(flown(*rows, loops=False), loop_start_s=30.0)
+    kinds = [one.kind for one in check_plan(Plan(mission=mission(WING), trajectories=(way,))).violations]
+    assert "stands though it cannot" in kinds
 
 
 def test_a_wing_that_stays_on_its_charger_for_ever_does_not_stand_in_the_air() -> None:
