@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_PER_ROBOT = 20
+TURNED_S = 1.0  # on a charger, after which a robot may face anywhere; by less it only touches the ground
 
 
 def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
@@ -87,8 +88,8 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
     touches both legs of a corner with turn a leaves it by r (1 / cos(a / 2) - 1), and takes r tan(a / 2) of each leg;
     what the two corners of a leg take must not overlap. So a turn is at most 11.4 degrees, and legs are long enough.
     Legs in a straight row are one. Standing still does not help: such a robot cannot turn on the spot. On a charger it
-    can be turned: it takes off in any heading. The value is the radius in metres that the corner's legs leave room for;
-    0 where the turn is too sharp.
+    can be turned: it takes off in any heading, if it charged for as long as the turn takes on its arc, or for a second.
+    The value is the radius in metres that the corner's legs leave room for; 0 where the turn is too sharp.
     """
     radius_m = robot.turn_radius_m
     if radius_m == 0:
@@ -103,7 +104,9 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
     angle, noise = _turns_rad(steps, lengths, legs[:-1], legs[1:], float(np.abs(xy).max()))
     from_charger = np.zeros(len(angle), np.bool_)
     if trajectory.charges:
-        from_charger = _leave_chargers(trajectory, legs)
+        stays_s = _charge_before_s(trajectory, legs)
+        needed_s = np.minimum(angle * radius_m / robot.speed_m_s, TURNED_S) * (1 - SPEED_TOLERANCE)
+        from_charger = (stays_s > 0) & (stays_s >= needed_s)
         angle[from_charger] = 0.0
     corners = np.union1d(_real_corners(angle, noise), np.flatnonzero(from_charger))
     # of each straight row of legs: its length, and how much its two corners take for a radius of 1
@@ -127,14 +130,14 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violati
     return list(violations.values())[:MOST_PER_ROBOT]
 
 
-def _leave_chargers(trajectory: Trajectory, legs: Ints) -> NDArray[np.bool_]:
-    """Before which of the legs (k,) but the first, in the order in which they are driven, a robot is on a charger."""
-    docked = docked_rows(trajectory.times_s, trajectory.charges)
-    until = np.concatenate([[0], np.cumsum(docked)])
+def _charge_before_s(trajectory: Trajectory, legs: Ints) -> Floats:
+    """For how long a robot is on a charger before each of the legs (k,) but the first, in the order of driving."""
+    docked_s = np.where(docked_rows(trajectory.times_s, trajectory.charges), np.diff(trajectory.times_s), 0.0)
+    until_s = np.concatenate([[0.0], np.cumsum(docked_s)])
     before, after = legs[:-1], legs[1:]
-    stays = until[after] - until[before + 1]
-    over_seam = until[-1] - until[before + 1] + until[after] - until[trajectory.loop_index]
-    return np.asarray(np.where(after > before, stays, over_seam) > 0)
+    stays_s = until_s[after] - until_s[before + 1]
+    over_seam_s = until_s[-1] - until_s[before + 1] + until_s[after] - until_s[trajectory.loop_index]
+    return np.asarray(np.where(after > before, stays_s, over_seam_s))
 
 
 def _real_corners(angle: Floats, noise: Floats) -> Ints:
