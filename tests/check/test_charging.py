@@ -14,7 +14,7 @@ from rota.check import check_plan
 from rota.check.charging import battery_levels
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
-from rota.model.plan import Charge, Plan, Trajectory
+from rota.model.plan import Charge, Driven, Plan, Seam, Trajectory
 
 PAD = Charger(name="pad", at=(0, 0), places=1)
 BATTERY = BatteryLimits(endurance_s=100, recharge_s=50, reserve_s=10)
@@ -123,6 +123,24 @@ def test_who_begins_in_the_air_has_taken_off_once() -> None:
     rests = Trajectory(robot="a", times_s=np.zeros(1), positions_m=np.zeros((1, 2)))
     (violation,) = check_plan(dataclasses.replace(plan, trajectories=(rests,))).violations
     assert (violation.kind, violation.time_s) == ("battery below its reserve", pytest.approx(70))
+
+
+@pytest.mark.parametrize(("battery", "docked_s", "least_s"), [(1.0, 0, 10), (0.8, 0, 10), (1.0, 5, 10), (0.6, 0, -10)])
+def test_who_is_told_at_the_change_alone_has_taken_off_once(battery: float, docked_s: float, least_s: float) -> None:
+    """70 s out and back: from the pad at once or later, and told before the take-off of 20 s or after it."""
+    first = ([0.0], [(0.0, 0.0)]) if docked_s else ([], [])
+    times_s = np.array([*first[0], docked_s, docked_s + 35, docked_s + 70, docked_s + 130])
+    places_m = np.array([*first[1], (0.0, 0.0), (35.0, 0.0), (0.0, 0.0), (0.0, 0.0)])
+    stays = [(0.0, docked_s)] * bool(docked_s) + [(docked_s + 70, docked_s + 130)]
+    one = Trajectory(
+        robot="a", times_s=times_s, positions_m=places_m, battery=battery,
+        charges=tuple(Charge(charger="pad", from_s=begins_s, until_s=ends_s) for begins_s, ends_s in stays),
+    )  # fmt: skip
+    was = Driven(robot="a", sensor=DiscSensor(radius_m=200), times_s=[0.0], positions_m=[(0.0, 0.0)], battery=battery)
+    asked = mission(dataclasses.replace(BATTERY, takeoff_s=20))
+    plan = Plan(mission=asked, trajectories=(one,), seam=Seam(at_s=9, driven=(was,)))
+    levels = battery_levels(plan, one)
+    assert np.interp(docked_s + 69.999, levels.times_s, levels.levels_s) == pytest.approx(least_s, abs=0.01)
 
 
 def test_what_is_charged_elsewhere_counts_for_nothing() -> None:

@@ -143,6 +143,8 @@ class _Follower:
         self.begin(driven)
         self.drive(driven, 0, len(driven.times_s) - 1, 0.0)
         self._left_s = self.level_s
+        if len(driven.times_s) == 1:  # on a charger or not: who is off it has no more than a take-off leaves
+            self._in_air, self._left_s = False, self._full_s
 
     def _take_off(self, time_s: float) -> None:
         """Take what it costs to leave the ground; who does as a plan takes over has no more than that leaves."""
