@@ -156,6 +156,27 @@ def test_a_leg_of_a_moment_hides_no_corner(moment_s: float) -> None:
     assert {round(each.time_s or 0.0, 5) for each in found(way, acceleration_m_s2=1.0)} == {0.0, 10.0}
 
 
+@pytest.mark.parametrize(("bend_rad", "kinds"), [(0.098, set()), (math.pi / 2, {"corner acceleration"})])
+def test_rows_without_end_hide_no_curve(bend_rad: float, kinds: set[str]) -> None:
+    """At 5 m/s in half a second, by legs each of which bends by less than rounding might: a curve of 1 and 16 m/s2."""
+    chance, count = np.random.default_rng(3), 50_000
+    seconds = chance.uniform(0.9e-5, 1.1e-5, count)
+    at = (np.cumsum(seconds) - seconds / 2) / seconds.sum() * bend_rad
+    on = (math.cos(bend_rad), math.sin(bend_rad))
+    before = [ramp((1, 0), 0.0, 5.0, 1.0), (2.0, (5.0, 0), 0.0)]
+    curve = [(s, (5 * math.cos(angle), 5 * math.sin(angle)), 0.0) for s, angle in zip(seconds, at, strict=True)]
+    way = driven([*before, *curve, (2.0, (5 * on[0], 5 * on[1]), 0.0), ramp(on, 5.0, 0.0, 1.0)])
+    assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == kinds
+
+
+@pytest.mark.parametrize(("limit_m_s2", "kinds"), [(35.0, set()), (4.0, {"corner acceleration"})])
+def test_loops_of_short_legs_alone_hide_no_curve(limit_m_s2: float, kinds: set[str]) -> None:
+    """Round and round at 5 m/s in a second, at 31.4 m/s2."""
+    angles = np.linspace(0, 2 * math.pi, 200_000, endpoint=False)
+    way = driven([(5e-6, (5 * math.cos(angle), 5 * math.sin(angle)), 0.0) for angle in angles], loop=True)
+    assert {each.kind for each in found(way, acceleration_m_s2=limit_m_s2)} == kinds
+
+
 def test_a_leg_of_a_moment_in_a_ramp_changes_nothing() -> None:
     begin, end = ramp((1, 0), 0.0, 4.0, 2.0), ramp((1, 0), 4.0, 0.0, 2.0)
     for parts in (1.0, 1e-7), (1e-7, 1.0):

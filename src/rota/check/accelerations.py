@@ -36,6 +36,8 @@ Ints = NDArray[np.int64]
 
 ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
 VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
+PIECE_S, COARSE = 1e-3, 1.5  # of what is judged in pieces, which differ in length: by this much more than the limits
+MOST_ROUNDED_M_S = 1e-2  # that rounding may add up to over all short legs of a round before they are judged in pieces
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 
 
@@ -74,6 +76,9 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
     violations = _along_violations(trajectory, most_m_s2)
     whole = not from_rest or bool(np.isinf(motion.lasts_s[0]))
     violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2, whole)
+    if not violations and (coarse := _in_even_pieces(motion)) is not None:
+        most_m_s2, corner_m_s2 = COARSE * most_m_s2, COARSE * corner_m_s2
+        violations += _vertex_violations(trajectory, coarse, most_m_s2, corner_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop's first point may be one on a leg; then what tells is the motion without it
         without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3, whole)
@@ -130,6 +135,44 @@ def _without_vague_legs(motion: _Motion) -> _Motion:
         acceleration_m_s2=motion.acceleration_m_s2[first],
         lasts_s=np.add.reduceat(motion.lasts_s, first),
         noise_m_s=motion.noise_m_s[first],
+        points=motion.points[first],
+    )
+
+
+def _in_even_pieces(motion: _Motion) -> _Motion | None:
+    """The motion with rows of legs below a tenth of a millisecond in pieces of a millisecond; None: it has few of them.
+
+    What rounding may make of each such leg's velocity could add up to any curve. A piece has the mean velocity and
+    acceleration of its legs. Rows of less than a millisecond are part of the leg before; those that come first are left
+    out.
+    """
+    short = motion.lasts_s < PIECE_S / 10
+    if motion.noise_m_s[short].sum() <= ROUNDS * MOST_ROUNDED_M_S:
+        return None
+    begins = np.flatnonzero(np.diff(short, prepend=~short[0]))  # of rows of short legs, and of others
+    lasts_s = np.where(short, motion.lasts_s, 0.0)
+    row_s, until_s = np.add.reduceat(lasts_s, begins), np.cumsum(lasts_s) - lasts_s
+    row = np.cumsum(np.isin(np.arange(len(short)), begins)) - 1
+    pieces = np.floor(row_s / PIECE_S)[row]
+    part = np.floor(
+        (until_s - until_s[begins][row]) / np.where(pieces > 0, row_s[row] / np.maximum(pieces, 1), math.inf)
+    )
+    joined = short & (pieces == 0)
+    starts = ~short | (np.diff(row, prepend=-1) > 0) | (np.diff(part, prepend=-1.0) != 0)
+    first = np.flatnonzero(starts & ~joined)
+    if not len(first):
+        return None
+    size_s = np.add.reduceat(lasts_s, first)[:, None]
+    piece, length_s = short[first][:, None], np.where(size_s > 0, size_s, 1.0)
+    mean_m_s = np.add.reduceat((motion.begin_m_s + motion.end_m_s) / 2 * lasts_s[:, None], first) / length_s
+    mean_m_s2 = np.add.reduceat(motion.acceleration_m_s2 * lasts_s[:, None], first) / length_s
+    changes = np.add.reduceat(np.where(joined[:, None], motion.end_m_s - motion.begin_m_s, 0.0), first)
+    return _Motion(
+        begin_m_s=np.where(piece, mean_m_s - mean_m_s2 * length_s / 2, motion.begin_m_s[first]),
+        end_m_s=np.where(piece, mean_m_s + mean_m_s2 * length_s / 2, motion.end_m_s[first] + changes),
+        acceleration_m_s2=np.where(piece, mean_m_s2, motion.acceleration_m_s2[first]),
+        lasts_s=np.add.reduceat(motion.lasts_s, first),
+        noise_m_s=motion.noise_m_s[first] * np.where(piece, lasts_s[first][:, None] / length_s, 1.0)[:, 0],
         points=motion.points[first],
     )
 
