@@ -122,3 +122,18 @@ def turned(charged_at: tuple[int, ...], stays_s: float, *, radius_m: float = RAD
     )  # fmt: skip
     found = motion_violations(Plan(mission=mission, trajectories=(trajectory,)))
     return sorted((one.kind, one.place_m) for one in found)
+
+
+@pytest.mark.parametrize("far_m", [100.0, 5e6, 9e6])
+def test_a_step_that_rounding_made_hides_no_turn_however_far_away(far_m: float) -> None:
+    """A corner of 90 degrees with a step of two last places in it, as at the northings of UTM."""
+    mission = Mission(
+        name="m", area=MultiPolygon([box(far_m - 99, far_m - 99, far_m + 99, far_m + 99)]), period_s=1,
+        fleet=Fleet(speed_m_s=9, sensor=DiscSensor(radius_m=1), turn_rate_rad_s=1.0),
+    )  # fmt: skip
+    step_m = 2 * np.spacing(far_m)
+    xy = np.array([[-50.0, 0.0], [0.0, 0.0], [step_m, step_m], [step_m, 50.0]]) + far_m
+    for pause_s, kinds in ((1e-3, {"turn"}), (1.6, set())):
+        times_s = np.array([0.0, 10.0, 10.0 + pause_s, 20.0])
+        way = Trajectory(robot="a", times_s=times_s, positions_m=xy, loop_start_s=20.0)
+        assert {one.kind for one in motion_violations(Plan(mission=mission, trajectories=(way,)))} == kinds

@@ -32,7 +32,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     """Corners without the pause that turning takes, the seam of the loop included, and headings that turn too fast.
 
     The value of a corner is its pause in seconds, the limit the least pause. The value of headings is their rate in
-    rad/s. Steps of up to 1e-9 m count as standing still.
+    rad/s. Steps of up to 1e-9 m count as standing still, and so do those whose direction rounding hides, far away.
     """
     if robot.turn_rate_rad_s is None:
         return []
@@ -40,7 +40,8 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     xy, times = trajectory.positions_m[:, :2], trajectory.times_s
     steps = np.diff(xy, axis=0)
     length = np.hypot(steps[:, 0], steps[:, 1])
-    moving = np.flatnonzero(length > STILL_M)
+    far_m = float(np.abs(xy).max())
+    moving = np.flatnonzero(length > max(STILL_M, 4 * FLOAT_EPS * far_m / STRAIGHT_RAD))
     if not len(moving):
         return violations
     before, after = moving[:-1], moving[1:]
@@ -51,7 +52,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         before, after = np.append(before, last), np.append(after, first)
         seam = times[-1] - times[last + 1] + times[first] - trajectory.loop_start_s
         pause = np.append(pause, seam)
-    angle, noise = _turns_rad(steps, length, before, after, float(np.abs(xy).max()))
+    angle, noise = _turns_rad(steps, length, before, after, far_m)
     need = angle / robot.turn_rate_rad_s
     allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - SPEED_TOLERANCE) - 4 * FLOAT_EPS * times[-1]
     for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
