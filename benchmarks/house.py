@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,10 +59,10 @@ def size_below(folder: Path) -> Size:
     return Size(sum(size.lines for size in sizes), sum(size.code for size in sizes))
 
 
-def knobs_of(text: str) -> int:
+def knobs_in(tree: ast.Module) -> int:
     """How many numbers and names of a source may be turned: constants of the module, and fields of settings."""
     knobs = 0
-    for node in ast.parse(text).body:
+    for node in tree.body:
         if isinstance(node, ast.Assign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             named = [part.id for target in targets for part in ast.walk(target) if isinstance(part, ast.Name)]
@@ -73,15 +73,21 @@ def knobs_of(text: str) -> int:
     return knobs
 
 
-def packages() -> dict[str, tuple[int, int]]:
+def read_size(file: Path) -> tuple[int, int]:
+    """The lines and knobs of a file."""
+    text = file.read_text()
+    return len(text.splitlines()), knobs_in(ast.parse(text))
+
+
+def packages(size_of_file: Callable[[Path], tuple[int, int]] = read_size) -> dict[str, tuple[int, int]]:
     """The lines and knobs of each package of Rota, planners by themselves, and of the studies."""
     sums: dict[str, tuple[int, int]] = {}
     for file in [*SOURCE.rglob("*.py"), *STUDIES.rglob("*.py")]:
         parts = file.relative_to(PROJECT).parts[:-1]
         package = "studies" if parts[0] == "studies" else "/".join(parts[2 : 4 if "planners" in parts else 3]) or "root"
         lines, knobs = sums.get(package, (0, 0))
-        text = file.read_text()
-        sums[package] = lines + len(text.splitlines()), knobs + knobs_of(text)
+        more = size_of_file(file)
+        sums[package] = lines + more[0], knobs + more[1]
     return dict(sorted(sums.items()))
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterable, Mapping
-from functools import cache
 from pathlib import Path
 
 import pytest
 from benchmarks.house import MOST_PARAMETERS, SOURCE, many_parameters
-from tests.test_imports import FILES, imports_of, module_name, within
+from tests.sources import FILES, module_name, source_in, source_of
+from tests.test_imports import within
 
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
@@ -54,17 +53,9 @@ SYSTEM_CLOCK = {
 MODULES = {module_name(file): file for file in FILES}
 
 
-@cache
-@cache
-def functions_of(file: Path) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
-    """All functions of a source, methods and those within others too."""
-    nodes = ast.walk(ast.parse(file.read_text()))
-    return [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
-
-
 def imported_modules(module: str) -> set[str]:
     """The modules of the house that a module imports, with the names that it takes from them left out."""
-    named = imports_of(MODULES[module])
+    named = source_of(MODULES[module]).imports
     return {name for name in named if name in MODULES and name != module and not _is_package_of(name, named)}
 
 
@@ -127,35 +118,15 @@ def test_nothing_is_imported_upwards(package: str, stages: list[list[str]]) -> N
     assert upwards == []
 
 
-PLANNERS = ("patrol", "swarm", "bounce")
-
-
-def planner_branches(text: str) -> list[int]:
-    """The lines of a source that ask for a planner by its name or by the type of its settings."""
-    lines = []
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Compare | ast.MatchValue):
-            values = [part.value for part in ast.walk(node) if isinstance(part, ast.Constant)]
-            asks = any(value in PLANNERS for value in values)
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
-            named = [getattr(part, "id", getattr(part, "attr", "")) for part in ast.walk(node.args[1])]
-            asks = any(name.endswith("Settings") and name != "Settings" for name in named)
-        else:
-            asks = isinstance(node, ast.Attribute) and node.attr in PLANNERS
-        if asks:
-            lines.append(node.lineno)
-    return lines
-
-
 def test_planner_branches_are_seen() -> None:
     for asks in ("x.planner == 'swarm'", "name in ('patrol', 'swarm')", "isinstance(x, a.BounceSettings)", "m.swarm.a"):
-        assert planner_branches(asks) == [1], asks
-    assert planner_branches("isinstance(x, Settings); {'patrol': 'a'}; x.planner == name; y.method == 'tours'") == []
+        assert source_in(asks).branches == (1,), asks
+    assert source_in("isinstance(x, Settings); {'patrol': 'a'}; x.planner == name; y.method == 'tours'").branches == ()
 
 
 def test_no_planner_is_asked_for_outside_its_house() -> None:
     others = [module for module in MODULES if within(module, "rota") and not within(module, "rota.planners")]
-    branches = {module: lines for module in others if (lines := planner_branches(MODULES[module].read_text()))}
+    branches = {module: lines for module in others if (lines := source_of(MODULES[module]).branches)}
     assert branches == {}
     importing = [m for m in others if any(within(name, "rota.planners") for name in imported_modules(m))]
     assert importing == ["rota"]  # the public names of the settings
@@ -178,9 +149,9 @@ def test_only_dates_come_from_a_clock_that_people_set() -> None:
 def test_modules_and_functions_stay_short() -> None:
     too_long: dict[str, int] = {}
     for module, file in MODULES.items():
-        lengths = {module: (len(file.read_text().splitlines()), 350)}
-        for node in functions_of(file):
-            lengths[f"{module}.{node.name}"] = ((node.end_lineno or 0) - node.lineno + 1, 60)
+        source = source_of(file)
+        lengths = {module: (source.lines, 350)}
+        lengths |= {f"{module}.{each.name}": (each.lines, 60) for each in source.functions}
         too_long |= {name: lines for name, (lines, most) in lengths.items() if lines > most}
     assert too_long == {}
 
@@ -227,21 +198,14 @@ def is_participle(name: str) -> bool:
     return is_one and (len(words) == 1 or words[1] in LATER)
 
 
-def is_silent(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    """Whether it is a private function of ten lines or more without a docstring."""
-    private = re.match("_[^_]", function.name) is not None
-    return private and (function.end_lineno or 0) - function.lineno >= 9 and ast.get_docstring(function) is None
-
-
 def words_to_change() -> set[str]:
     """The functions of Rota that are called by participles, but for properties, or that say nothing of themselves."""
     found = set()
     for module in (name for name in MODULES if within(name, "rota")):
-        for node in functions_of(MODULES[module]):
-            name = f"{module.removeprefix('rota.')}:{node.name}"
-            is_data = any("property" in ast.unparse(each) for each in node.decorator_list)
-            found |= {f"participle {name}"} if is_participle(node.name) and not is_data else set()
-            found |= {f"silent {name}"} if is_silent(node) else set()
+        for each in source_of(MODULES[module]).functions:
+            name = f"{module.removeprefix('rota.')}:{each.name}"
+            found |= {f"participle {name}"} if is_participle(each.name) and not each.is_property else set()
+            found |= {f"silent {name}"} if each.is_silent else set()
     return found
 
 

@@ -2,51 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import subprocess
 import sys
-from functools import cache
-from pathlib import Path
 
 import pytest
+from tests.sources import FILES, SOURCE, module_name, source_in, source_of
 
 import rota
-import rota_studies
-
-SOURCE, STUDIES = Path(rota.__file__).parent, Path(rota_studies.__file__).parent
-FILES = [*sorted(SOURCE.rglob("*.py")), *sorted(STUDIES.rglob("*.py"))]
-
-
-def module_name(file: Path) -> str:
-    home = SOURCE if file.is_relative_to(SOURCE) else STUDIES
-    parts = file.relative_to(home.parent).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-def imports_in(text: str, module: str, is_package: bool) -> set[str]:
-    """Every module that the source names in an import, at whatever depth, relative ones resolved."""
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                parts = module.split(".")
-                kept = parts[: len(parts) - node.level + is_package]
-                base = ".".join([*kept, *([node.module] if node.module else [])])
-            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
-        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
-            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-            if called in ("import_module", "__import__"):
-                found.add(str(node.args[0].value))
-    return found
-
-
-@cache
-def imports_of(file: Path) -> frozenset[str]:
-    return frozenset(imports_in(file.read_text(), module_name(file), file.name == "__init__.py"))
 
 
 def within(module: str, package: str) -> bool:
@@ -55,14 +18,17 @@ def within(module: str, package: str) -> bool:
 
 def importers(package: str) -> set[str]:
     """Modules of rota and of the studies that import the package or anything below it."""
-    return {module_name(file) for file in FILES if any(within(name, package) for name in imports_of(file))}
+    return {module_name(file) for file in FILES if any(within(name, package) for name in source_of(file).imports)}
 
 
 def test_the_reader_of_imports_sees_every_kind() -> None:
     text = "import a.b as c\ndef f():\n  from . import d\n  from ..e import g\n  importlib.import_module('h')\n"
     text += "from i import j"
-    assert imports_in(text, "rota.x.y", False) >= {"a.b", "rota.x.d", "rota.e.g", "h", "i", "i.j"}
-    assert imports_in("from . import d\nfrom .e import f", "rota.x", True) >= {"rota.x.d", "rota.x.e.f"}
+    assert source_in(text, "rota.x.y").imports >= {"a.b", "rota.x.d", "rota.e.g", "h", "i", "i.j"}
+    assert source_in("from . import d\nfrom .e import f", "rota.x", is_package=True).imports >= {
+        "rota.x.d",
+        "rota.x.e.f",
+    }
     assert len(FILES) > 20
     assert "rota.model.plan" in importers("rota.model.mission")
 
@@ -78,7 +44,7 @@ def test_check_imports_mission_plan_errors_and_third_parties_only() -> None:
         "rota.compiled",
     )
     for file in (SOURCE / "check").rglob("*.py"):
-        ours = {name for name in imports_of(file) if within(name, "rota")}
+        ours = {name for name in source_of(file).imports if within(name, "rota")}
         assert [name for name in ours if not any(within(name, good) for good in allowed)] == [], file
 
 
@@ -93,7 +59,7 @@ def test_planners_import_neither_each_other_nor_check() -> None:
     for planner in planners:
         own = f"rota.planners.{planner}"
         for file in (SOURCE / "planners" / planner).rglob("*.py"):
-            for name in imports_of(file):
+            for name in source_of(file).imports:
                 assert not within(name, "rota.check"), file
                 assert not within(name, "rota.planners") or name == "rota.planners" or within(name, own), file
 
@@ -126,7 +92,7 @@ def test_nothing_knows_what_stands_to_its_right() -> None:
         for package, forbidden in right_of.items():
             if within(module_name(file), package):
                 others = [bad for bad in forbidden if not within(module_name(file), bad)]
-                wrong = [name for name in imports_of(file) for bad in others if within(name, bad)]
+                wrong = [name for name in source_of(file).imports for bad in others if within(name, bad)]
                 assert wrong == [], f"{module_name(file)} imports {wrong}"
 
 
@@ -143,7 +109,7 @@ def test_the_product_does_not_know_its_studies() -> None:
 
 def test_what_compiles_loops_knows_none_of_them() -> None:
     for file in (SOURCE / "compiled").rglob("*.py"):
-        ours = {name for name in imports_of(file) if within(name, "rota")}
+        ours = {name for name in source_of(file).imports if within(name, "rota")}
         assert all(within(name, "rota.compiled") for name in ours), file
 
 

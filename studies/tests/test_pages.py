@@ -62,6 +62,7 @@ AGAIN: dict[str, tuple[type[Any], Callable[[Any], None]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow  # makes runs of all three studies
 @pytest.mark.parametrize("name", RECORDED)
 def test_some_runs_come_out_as_recorded(name: str) -> None:
     file = read_records(DOCS / f"{name}.json", name)

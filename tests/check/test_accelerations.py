@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.seeds import seeds
 
 from rota.check.accelerations import acceleration_violations
 from rota.check.motion import speed_violations
@@ -276,7 +277,7 @@ def test_a_motion_within_five_centimetres_keeps_the_limit(corner: float) -> None
     assert found(way, acceleration_m_s2=1.0, corner_acceleration_m_s2=corner) == []
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(20, at_once=6))
 def test_no_random_plan_is_kept_whose_velocity_changes_faster_than_five_centimetres_hide(seed: int) -> None:
     """Any motion within OFF_M of the plan gains at most A t in t; so over long times the plan's own mean velocities
     differ by no more than that and 4 OFF_M / t, whatever the windows."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.seeds import seeds
 
 from rota.check.approach import gaps_at, nearest_shares
 
@@ -22,7 +23,7 @@ def test_a_robot_from_rest_is_nearest_where_its_parabola_is() -> None:
     )
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", seeds(4, at_once=2))
 def test_no_share_that_is_tried_is_nearer(seed: int) -> None:
     """Vectors of all sizes and directions, bows much larger and much smaller than what they bend, some parallel."""
     rng = np.random.default_rng(seed)

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import box
 from tests.check.accelerated import accelerated
+from tests.seeds import seeds
 
 from rota import BounceSettings, PatrolSettings
 from rota.check import Report, check_plan
@@ -124,7 +125,7 @@ def random_loop(robot: str, rng: np.random.Generator, seconds: int) -> Trajector
 
 
 @pytest.mark.parametrize("bent", [False, True])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_random_loops_beside_shifted_ones(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     one, other = random_loop("a", rng, 12), random_loop("b", rng, 18)

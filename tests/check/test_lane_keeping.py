@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import LineString, MultiPolygon, box
+from tests.seeds import seeds
 
 from rota.check import check_plan
 from rota.check.report import Report
@@ -82,7 +83,7 @@ def test_where_the_loop_closes_a_robot_may_not_change_lanes_either() -> None:
     assert [kind for kind, _ in faults(report)] == ["leaves a lane between its ends"]
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40, at_once=10))
 def test_random_walks_are_judged_as_by_samples(seed: int) -> None:
     """A random walk over the corners of lanes, now and then straight to another corner instead."""
     random = np.random.default_rng(seed)

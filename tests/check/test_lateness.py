@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 from numpy.typing import NDArray
+from tests.seeds import seeds
 
 from rota import (
     DiscSensor,
@@ -170,7 +171,7 @@ def places_at(plan: Plan, now_s: float) -> list[Floats]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", seeds(5, at_once=2))
 def test_beside_dense_sampling(seed: int) -> None:
     random = np.random.default_rng(seed)
 

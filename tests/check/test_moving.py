@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 from tests.check.accelerated import accelerated
+from tests.seeds import seeds
 
 from rota import SwarmSettings
 from rota.check import check_plan
@@ -57,7 +58,7 @@ def test_a_robot_that_starts_from_rest_is_met_where_it_is() -> None:
     assert found(starts, (0, 8), ((8, 4), (8, -4))) == []  # it is there 1.7 s later
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", seeds(10, at_once=4))
 def test_random_loops_with_accelerations_beside_small_steps_of_time(seed: int) -> None:
     rng = np.random.default_rng(seed)
     places = rng.uniform(-6, 6, (4, 2))

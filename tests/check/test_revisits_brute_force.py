@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon, box
 from tests.check.accelerated import all_accelerated
+from tests.seeds import seeds
 
 from rota.check import check_plan, revisits
 from rota.check.pieces import convex_pieces, point_pieces
@@ -51,7 +52,7 @@ def random_plan(rng: np.random.Generator, *, robots: int, obstacles: int) -> Pla
 
 
 @pytest.mark.parametrize("bent", [False, True])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(6, at_once=2))
 def test_first_sights_match_sampled_times(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(300 + seed)
     plan = random_plan(rng, robots=2, obstacles=0)
@@ -101,7 +102,7 @@ def sampled_gaps_s(plan: Plan, points: NDArray[np.float64]) -> NDArray[np.float6
 
 
 @pytest.mark.parametrize("bent", [False, True])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_point_gaps_match_sampled_times(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(0, 5)))
@@ -118,7 +119,7 @@ def test_point_gaps_match_sampled_times(seed: int, bent: bool) -> None:
 
 
 @pytest.mark.parametrize("bent", [False, True])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(100 + seed)
     plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(1, 6)))
@@ -136,7 +137,7 @@ def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int, bent: 
         assert (worst_gaps_s(plan, points) <= upper + 1e-6).all()
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", seeds(16, at_once=4))
 def test_verdict_agrees_with_many_points(seed: int) -> None:
     rng = np.random.default_rng(200 + seed)
     plan = random_plan(rng, robots=int(rng.integers(2, 4)), obstacles=int(rng.integers(0, 4)))

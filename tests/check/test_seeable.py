@@ -9,6 +9,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, box
+from tests.seeds import seeds
 
 from rota.check.pieces import convex_pieces, point_pieces
 from rota.check.revisits import worst_gaps_s
@@ -93,7 +94,7 @@ def blocks_by_chance(seed: int, body: float) -> Mission:
     return mission(box(0, 0, 10, 10), *blocks, body=body, sensor=sensor)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(8, at_once=3))
 def test_matches_sight_from_many_standing_places(seed: int) -> None:
     rng = np.random.default_rng(seed)
     blocks = []
@@ -148,7 +149,7 @@ def test_fleet_of_different_robots_sees_what_any_of_them_can() -> None:
     assert seen(only_big, (13.5, 4.3), (12.9, 4.3)) == [False, True]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(6, at_once=2))
 def test_nothing_is_seen_of_a_piece_that_is_hidden_and_next_to_all_hidden_pieces_are_known(seed: int) -> None:
     """Beside places in it: a piece of which none is seen may yet be seen in between, so that most are to agree."""
     m = blocks_by_chance(seed, body=0.3)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 from tests.check.accelerated import accelerated
+from tests.seeds import seeds
 
 from rota import PatrolSettings, SwarmSettings
 from rota.check.report import Violation
@@ -128,7 +129,7 @@ def test_loop_that_turns_many_times_before_the_other_begins() -> None:
 
 
 @pytest.mark.parametrize("bent", [False, True])
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", seeds(25, at_once=8))
 def test_matches_sampled_times(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     trajectories = []

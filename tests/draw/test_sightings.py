@@ -9,6 +9,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
 from tests.live.two_robots import two_robots
+from tests.seeds import seeds
 
 from rota.cells.cell_map import cell_map_of
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
@@ -61,7 +62,7 @@ def test_a_robot_close_to_a_wall_sees_half_a_disc():
         assert seen.area == pytest.approx(whole / 2 + 20 * height_m, rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_footprints_agree_with_straight_lines_of_sight(seed: int):
     rng = np.random.default_rng(seed)
     sensor = DiscSensor(radius_m=15) if seed % 2 else SquareSensor(side_m=24)

@@ -10,6 +10,7 @@ import pytest
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from benchmarks.create2.robot import Create2
 from shapely import Polygon, box, union_all
+from tests.seeds import seeds
 
 from rota.errors import PlanError
 from rota.files.create2_course import Surroundings, stretches_of
@@ -174,7 +175,7 @@ def random_map(seed: int) -> tuple[TypedMap, tuple[int, int, int]]:
     return ground, (*free[rng.integers(len(free))], int(rng.integers(8)))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_legs_on_random_maps_end_where_a_body_driven_into_walls_says(seed: int) -> None:
     """A model that knows nothing but the map drives each leg until it touches, backs off, and is at the cell."""
     ground, start = random_map(seed)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, Polygon, box
+from tests.seeds import seeds
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, points_inside, sees, segments_free, visibility_polygon
@@ -169,7 +170,7 @@ def test_where_two_obstacles_touch_both_sides_are_seen():
 
 
 @pytest.mark.parametrize("sides", [4, 64])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_views_hold_the_points_that_lines_of_sight_reach(seed, sides, random_space, points_in):
     space = random_space(seed)
     surroundings = box(-30, -30, 50, 50).difference(space)

@@ -6,6 +6,7 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from shapely import MultiPolygon, Polygon, box
+from tests.seeds import seeds
 
 from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
@@ -48,7 +49,7 @@ def test_lengths_are_those_of_a_graph_over_all_corners(seed, random_space, point
     np.testing.assert_allclose(paths.distances(points[:7], points[5:]), found[:7, 5:], rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40, at_once=10))
 def test_paths_stay_in_the_space_and_have_the_length_given(seed, random_space, points_in):
     space = random_space(seed)
     points = points_in(space, 12, 100 + seed)

@@ -21,7 +21,7 @@ FAST_M_S = 2.0  # a copter that is slower is at many moments of its way within w
 
 def test_a_flown_round_is_where_and_when_it_was_predicted() -> None:
     way = np.loadtxt(HERE / "flown_targets_way.csv", delimiter=",", skiprows=1)
-    flown = np.loadtxt(HERE / "flown_targets.csv", delimiter=",", skiprows=1)
+    flown = np.loadtxt(HERE / "flown_targets.csv", delimiter=",", skiprows=1)[::4]
     trajectory = Trajectory(
         robot="robot-5", times_s=way[:, 0], positions_m=way[:, 1:3], accelerations_m_s2=way[:-1, 3] * (1 - 1e-6)
     )

@@ -87,7 +87,7 @@ def test_a_reader_gets_all_in_order_and_ends_when_the_inbox_closes() -> None:
     assert asyncio.run(read()) == [1, 2, 3, 4]
 
 
-def test_a_hundred_thousand_messages_leave_nothing_behind() -> None:
+def test_fifty_thousand_messages_leave_nothing_behind() -> None:
     rng = random.Random(0)
     junk = [math.nan, math.inf, -1.0, 1e300, None, "x" * 50, [], {}, b"\0", (1, 2, 3), "a", 9.5, 10**30, True]
     names = ["robot", "time_s", "position_m", "battery", "mode"]
@@ -96,12 +96,12 @@ def test_a_hundred_thousand_messages_leave_nothing_behind() -> None:
     taken = sum(inbox.offer(**offer) for offer in offers)
     tracemalloc.start()
     kept = []  # after each round; what waits is made anew in the first of them
-    for _ in range(99):
+    for _ in range(49):
         for offer in offers:
             inbox.offer(**offer)
         kept.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
-    # one byte for each of the last 49,000 messages: other threads' memory is counted as well, and varies
-    assert kept[-1] - kept[49] < 49_000
+    # one byte for each of the last 24,000 messages: other threads' memory is counted as well, and varies
+    assert kept[-1] - kept[24] < 24_000
     assert len(inbox.take_all()) == 100
-    assert dropped(inbox) >= 100 * (1000 - taken)
+    assert dropped(inbox) >= 50 * (1000 - taken)

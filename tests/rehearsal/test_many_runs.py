@@ -22,11 +22,10 @@ def test_the_same_seed_gives_the_same_on_any_number_of_processes() -> None:
     plan = round_a_block(body_m=0.3)
     by_threads = rota.rehearse(plan, **ASKED)
     told = rehearsal_to_json(by_threads)
-    for processes in (1, 2):
-        with LocalProcesses(processes) as executor:
-            made = rota.rehearse(plan, **ASKED, executor=executor)
-        assert rehearsal_to_json(made) == told
-        assert (made.places_available == by_threads.places_available).all()
+    with LocalProcesses(2) as executor:
+        made = rota.rehearse(plan, **ASKED, executor=executor)
+    assert rehearsal_to_json(made) == told
+    assert (made.places_available == by_threads.places_available).all()
     assert rehearsal_to_json(rota.rehearse(plan, **{**ASKED, "seed": 5})) != told
 
 

@@ -14,6 +14,7 @@ from rota.replanning.order import Order, levels_of
 
 # a corridor 100 m long; a robot at 1 m/s goes to and fro over 10 m at either end, in 20 s
 ENDS = {"west": 0.0, "east": 90.0}
+SLOW = pytest.mark.slow  # the same search again
 
 
 def watched(importance: dict[str, float]) -> Plan:
@@ -40,18 +41,20 @@ def worst_ratios(importance: dict[str, float], lost: str) -> dict[str, float]:
     return {one.name: one.worst_gap_at_least_s / one.period_s for one in found.report.demands}
 
 
-@pytest.mark.parametrize("lost", ["of west", "of east"])
+@pytest.mark.parametrize("lost", ["of west", pytest.param("of east", marks=SLOW)])
 def test_the_more_important_zone_is_kept_and_the_other_is_left(lost: str) -> None:
     ratios = worst_ratios({"west": 1, "east": 5}, lost)
     assert ratios["east"] <= 1
     assert ratios["west"] == np.inf
 
 
-def test_zones_of_one_importance_share_what_there_is() -> None:
+@pytest.mark.parametrize(
+    "importance", [{"west": 3, "east": 3}, pytest.param({}, marks=SLOW), pytest.param({"west": 1}, marks=SLOW)]
+)
+def test_zones_of_one_importance_share_what_there_is(importance: dict[str, float]) -> None:
     # from end to end and back is 200 m at 1 m/s, less what is seen from 2 m away at the turns
-    for importance in ({}, {"west": 3, "east": 3}, {"west": 1}):
-        ratios = worst_ratios(importance, "of west")
-        assert max(ratios.values()) == pytest.approx((200 - 4) / 22, abs=0.3)
+    ratios = worst_ratios(importance, "of west")
+    assert max(ratios.values()) == pytest.approx((200 - 4) / 22, abs=0.3)
 
 
 def test_nothing_is_left_where_those_that_remain_suffice() -> None:

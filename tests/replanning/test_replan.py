@@ -11,6 +11,7 @@ import shapely
 from benchmarks.time_sampling import Sampled, lattice
 from tests.replanning.relays import relay
 from tests.replanning.rings import ROUND_S, ring_mission, ring_plan
+from tests.seeds import seeds
 
 import rota
 from rota import (
@@ -131,7 +132,7 @@ def yard() -> Plan:
     return make_plan(YARD, seed=1)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", seeds(4, at_once=2))
 def test_random_losses_beside_time_sampling(yard: Plan, seed: int) -> None:
     random = np.random.default_rng(seed)
     names = [one.robot for one in yard]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from tests.driven_with_mass import begun_at, rounded
+from tests.seeds import seeds
 
 from rota.model.plan import Trajectory
 from rota.routes.driven_route import trajectory_of
@@ -48,7 +49,7 @@ def places(route: Route, width: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("dimensions", [2, 3])
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(60, at_once=20))
 def test_corners_come_back(seed: int, dimensions: int) -> None:
     corners, speeds, holds_s = drawn(seed, dimensions)
     trajectory = rounded(corners, speeds, holds_s, top=TOP, a=A)
@@ -65,7 +66,7 @@ def test_corners_come_back(seed: int, dimensions: int) -> None:
         assert stop.speed_m_s <= np.sqrt(A * length) + 6 + 1e-9
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(60, at_once=10))
 def test_wherever_the_loop_begins_the_same_corners_come_back(seed: int) -> None:
     corners, speeds, holds_s = drawn(seed)
     whole = rounded(corners, speeds, holds_s, top=TOP, a=A)

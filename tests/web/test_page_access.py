@@ -22,7 +22,7 @@ def violations(page: Any, options: dict[str, list[str]] | None = None) -> list[s
     ]
 
 
-@pytest.mark.parametrize("width", [1280, 360])
+@pytest.mark.parametrize("width", [1280, pytest.param(360, marks=pytest.mark.slow)])
 def test_axe_finds_nothing(page: Any, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 780})
     open_example(page, "harbour")

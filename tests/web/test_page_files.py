@@ -35,7 +35,7 @@ def fills_the_map(page: Any) -> bool:
     return max(shown["width"] / room["width"], shown["height"] / room["height"]) > 0.7
 
 
-@pytest.mark.parametrize("opened", ["example", "ros map"])
+@pytest.mark.parametrize("opened", ["example", pytest.param("ros map", marks=pytest.mark.slow)])
 def test_a_scanned_floor_opens_at_its_size_and_without_a_fault(page: Any, opened: str) -> None:
     page.evaluate(LISTEN)
     if opened == "example":

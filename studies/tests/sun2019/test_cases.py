@@ -139,6 +139,7 @@ def test_loops_belong_to_the_zone_whose_period_they_keep() -> None:
     assert times_of(loop("e", 20, 85), loop("f", 20, 85, begin=2)) == ([], ["17.00 / 2"])
 
 
+@pytest.mark.slow  # runs a second case; how rows are told is tested with the first one
 def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs: Callable[..., Runs]) -> None:
     runs = make_runs()
     odd = case_of(runs, paper.TABLE_6[3], runs.maps_14[3], runs.figure_13)

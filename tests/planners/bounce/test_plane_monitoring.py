@@ -149,7 +149,7 @@ def test_a_round_may_begin_at_a_contact_but_for_rounding() -> None:
     mission = hall(1)
     (robot,) = mission.fleet.robots or ()
     for track in tracks_of(mission, robot, 140.0, mission.zones, 0)[:2]:
-        for k, time_s in enumerate(track.times_s[1:-1], start=1):
+        for k, time_s in [*enumerate(track.times_s[1:-1], start=1)][::3]:
             for late_s in (np.nextafter(time_s, 0), time_s, np.nextafter(time_s, np.inf)):
                 begun = track.trajectory("robot-1", float(late_s))
                 assert begun.loop_duration_s == pytest.approx(track.round_s, rel=1e-12)

@@ -7,6 +7,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
 from tests.planners.swarm.conftest import PAPER, in_box
+from tests.seeds import seeds
 
 from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
 from rota.planners.swarm.deciding import deciding_room
@@ -45,7 +46,7 @@ def covered_m2(places: np.ndarray, sensors: np.ndarray, ground: MultiPolygon) ->
 
 
 @pytest.mark.parametrize("unequal", [False, True])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(3, at_once=1))
 def test_it_is_that_of_the_exact_area(seed: int, unequal: bool) -> None:
     rng = np.random.default_rng(seed)
     places = rng.uniform(0, (100, 80), (60, 2))

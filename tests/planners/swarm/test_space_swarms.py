@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.spatial.distance import pdist
 from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered, taken
+from tests.seeds import seeds
 
 from rota.planners.swarm.planner import ALL_NEIGHBOURS
 from rota.planners.swarm.rollout import Beginning
@@ -88,7 +89,7 @@ def test_a_polyhedron_within_the_ball_has_its_own_centroid() -> None:
     assert centroid(np.column_stack([normals, bounds]), 2) == pytest.approx(shift + a / 4, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_the_centroid_is_that_of_random_points_of_the_set(seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = units(rng, 200_000) * rng.random((200_000, 1)) ** (1 / 3)

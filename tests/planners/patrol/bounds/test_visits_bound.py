@@ -7,6 +7,7 @@ import pytest
 from benchmarks.cyclic_visits import random_places
 from tests.planners.patrol.cycles.test_one_robot import STAR, some_places
 from tests.planners.patrol.cycles.test_teams import fewest_of_all_ways
+from tests.seeds import seeds
 
 from rota import make_plan
 from rota.planners.patrol.bounds.visits_bound import times_near, visits_bound
@@ -53,7 +54,7 @@ def test_no_bound_is_above_the_best_of_all_ways_to_share_the_places() -> None:
     assert proved >= 3
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(6, at_once=2))
 def test_plans_take_no_fewer_robots_and_seldom_many_more(seed: int) -> None:
     plan = make_plan(random_places(seed, ("deadlines", "latencies")[seed % 2]), seed=0)
     assert plan.lower_bound_robots is not None

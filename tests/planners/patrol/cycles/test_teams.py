@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from tests.planners.patrol.cycles.test_one_robot import Floats, keeps, legs, some_places
+from tests.seeds import seeds
 
 from rota.planners.patrol.cycles.one_robot import visit_for_ever
 from rota.planners.patrol.cycles.teams import share_places, worth
@@ -32,7 +33,7 @@ def fewest_of_all_ways(leg_s: Floats, period_s: Floats) -> int:
     return best
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", seeds(8, at_once=3))
 def test_no_other_way_to_share_few_places_takes_fewer_robots(seed: int) -> None:
     leg_s, period_s = some_places(seed, 5)
     period_s = period_s / (1 + seed % 3)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import shapely
 from shapely import LineString, MultiPolygon, Point
+from tests.seeds import seeds
 
 from rota import make_plan
 from rota.check import check_plan
@@ -103,7 +104,7 @@ def ways_s(lanes: Sequence[Lane], places: Sequence[Place]) -> np.ndarray:
     return way
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, at_once=4))
 def test_no_sharing_of_few_places_takes_fewer_robots_with_rounds_of_each_once(seed: int) -> None:
     lanes, places = random_lanes(seed)
     way_s = ways_s(lanes, places)
@@ -171,7 +172,7 @@ def grid(side: int, random: np.random.Generator) -> list[Lane]:
     return [Lane(line_m=pair if random.random() < 0.5 else pair[::-1], one_way=random.random() < 0.3) for pair in ends]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", seeds(3, at_once=1))
 def test_bodies_wait_for_each_other_where_lanes_are_shared(seed: int) -> None:
     lanes = grid(4, np.random.default_rng(seed))
     periods_s = dict.fromkeys(sorted({end for lane in lanes for end in lane.ends_m}), 50.0)
