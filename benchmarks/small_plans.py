@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from shapely import box
 
-from rota.model.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger, DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
 from rota.model.motion_limits import MotionLimits
-from rota.model.plan import Plan, Trajectory
+from rota.model.plan import Charge, Driven, Plan, Seam, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner_settings import SwarmSettings
@@ -168,6 +169,34 @@ def covering() -> Plan:
     return Plan(mission=mission, trajectories=(way,))
 
 
+def charging() -> Plan:
+    """A robot with mass, which leaves a charger and comes back, after a change in a plan in which it did so, too."""
+    sensor, limits = DiscSensor(radius_m=12), MotionLimits(acceleration_m_s2=2, jerk_m_s3=9)
+    battery = BatteryLimits(endurance_s=40, recharge_s=4, reserve_s=5, takeoff_s=1)
+    fleet = Fleet(speed_m_s=4, sensor=sensor, motion=limits, battery=battery, turn_rate_rad_s=4, body_radius_m=0.2)
+    mission = Mission(
+        name="jetty", area=box(0, 0, 12, 4), period_s=12, fleet=fleet, chargers=(Charger(name="pad", at=(2, 2)),)
+    )
+    driven = Driven(
+        robot="robot-1",
+        sensor=sensor,
+        times_s=[-6, -4, -2, 0],
+        positions_m=[[10, 2], [6, 2], [2, 2], [2, 2]],
+        accelerations_m_s2=[2, -2, 0],
+        charges=(Charge(charger="pad", from_s=-2, until_s=0),),
+        battery=0.5,
+    )
+    way = Trajectory(
+        robot="robot-1",
+        times_s=[0, 1, 3, 5, 6, 8, 10],
+        positions_m=[[2, 2], [2, 2], [6, 2], [10, 2], [10, 2], [6, 2], [2, 2]],
+        accelerations_m_s2=[0, 2, -2, 0, 2, -2],
+        charges=(Charge(charger="pad", from_s=0, until_s=1),),
+        battery=0.8,
+    )
+    return Plan(mission=mission, trajectories=(way,), seam=Seam(at_s=20, driven=(driven,)))
+
+
 def small_plans() -> tuple[Plan, ...]:
     """All of them."""
-    return patrolling(), equal_patrolling(), accelerating(), spreading(), flying(), monitoring(), covering()
+    return patrolling(), equal_patrolling(), accelerating(), spreading(), flying(), monitoring(), covering(), charging()
