@@ -1,4 +1,4 @@
-"""The order in which two workers share the tests."""
+"""How many workers share the tests, and in which order."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ PROJECT = Path(__file__).parents[1]
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# two workers begin with one half of the tests each: patrol's kernels, a minute's work, are compiled by the first one
-# while the other has the check and bounces to do; who is done takes from the end of the other's, where no browser is
+# each worker begins with a part of the tests: patrol's kernels, a minute's work, are compiled by the first one while
+# others have the check, bounces and browsers to do; who is done takes from the end of another's
 ORDER = (
     "planners/patrol",
     "files",
@@ -38,6 +38,12 @@ ORDER = (
 def place_in_order(item: pytest.Item) -> int:
     path = item.path.relative_to(PROJECT).as_posix().removeprefix("tests/")
     return next((k for k, folder in enumerate(ORDER) if path.startswith(folder + "/")), len(ORDER))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """One process more than cores: robots that go by real time keep one waiting for a sixth of the time."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -59,6 +59,8 @@ except ValueError as error:
 print(*sorted(compiled))
 """
 
+COMPILES = pytest.mark.slow  # another process that compiles
+
 
 @pytest.fixture
 def written(tmp_path: Path) -> Path:
@@ -94,17 +96,29 @@ def test_processes_side_by_side_compile_each_kernel_once(written: Path) -> None:
     assert compiled == ["doubled", "doubled", "more", "root", "total"]
 
 
-def test_a_second_process_finds_all_and_other_types_and_settings_are_other_code(
-    filled: tuple[Path, list[str]], tmp_path: Path
-) -> None:
-    everything = "doubled doubled more root total"
+EVERYTHING = "doubled doubled more root total"
+
+
+def test_a_second_process_finds_all(filled: tuple[Path, list[str]], tmp_path: Path) -> None:
     source, first = filled
-    assert first[2] == everything
+    assert first[2] == EVERYTHING
     written = Path(copytree(source, tmp_path / "copy"))
     assert lines_of(started(written)) == ["12.0", "less than nothing", ""]
-    assert lines_of(started(written, "float32"))[2] == "doubled more root total"  # -1.0 is a float64 as before
-    assert lines_of(started(written, NUMBA_BOUNDSCHECK="1"))[2] == everything
-    assert lines_of(started(written, NUMBA_OPT="1"))[2] == everything
+
+
+@pytest.mark.parametrize(
+    ("kind", "setting", "compiled"),
+    [
+        ("float32", {}, "doubled more root total"),  # -1.0 is a float64 as before
+        pytest.param("float64", {"NUMBA_BOUNDSCHECK": "1"}, EVERYTHING, marks=COMPILES),
+        pytest.param("float64", {"NUMBA_OPT": "1"}, EVERYTHING, marks=COMPILES),
+    ],
+)
+def test_other_types_and_settings_are_other_code(
+    kind: str, setting: dict[str, str], compiled: str, filled: tuple[Path, list[str]], tmp_path: Path
+) -> None:
+    written = Path(copytree(filled[0], tmp_path / "copy"))
+    assert lines_of(started(written, kind, **setting))[2] == compiled
 
 
 DAMAGES = ("emptied", "halved", "flipped", "no pickle", "another pickle")
@@ -123,7 +137,7 @@ def damaged(data: bytes, how: str) -> bytes:
     return {"emptied": b"", "halved": data[: len(data) // 2]}[how]
 
 
-@pytest.mark.parametrize("turn", [0, 2])
+@pytest.mark.parametrize("turn", [0, pytest.param(2, marks=COMPILES)])
 def test_a_damaged_cache_gives_the_same_and_heals(filled: tuple[Path, list[str]], tmp_path: Path, turn: int) -> None:
     source, first = filled
     written = Path(copytree(source, tmp_path / "copy"))

@@ -19,6 +19,8 @@ from rota.model.fields import fields_of
 from rota.model.mission import Mission
 from rota.vehicles.battery_data import BatteryData
 
+SCHEMA = jsonschema.Draft202012Validator(mission_schema())  # whether it is a schema is asked in another test
+
 
 def read(tmp_path: Path, battery: dict[str, Any], **fleet: Any) -> Mission:
     document = {
@@ -30,7 +32,7 @@ def read(tmp_path: Path, battery: dict[str, Any], **fleet: Any) -> Mission:
     }  # fmt: skip
     path = tmp_path / "mission.yaml"
     path.write_text(yaml.safe_dump(document))
-    jsonschema.validate(document, mission_schema())
+    SCHEMA.validate(document)
     return read_mission(path).mission
 
 

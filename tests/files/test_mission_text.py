@@ -32,7 +32,7 @@ def test_examples_read_back_and_their_lines_are_short(path: Path) -> None:
     assert max(map(len, text.splitlines())) <= LONGEST_LINE + 10
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.dictionaries(texts, values, min_size=1, max_size=4))
 def test_whatever_json_holds_reads_back(document: dict[str, Any]) -> None:
     assert parse_text(mission_text(document), "it.yaml", "a mission").value == document

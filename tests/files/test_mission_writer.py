@@ -210,7 +210,7 @@ def missions(draw: Any) -> Mission:
         raise
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(mission=missions())
 def test_any_mission_reads_back_equal(mission: Mission) -> None:
     with tempfile.TemporaryDirectory() as folder:
