@@ -38,6 +38,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 MOTIONS = (
     ("port-relief", "2.5 m/s2, corners cut by 1.5 m", "  acceleration_m_s2: 2.5\n  corner_m: 1.5\n"),
     ("port-relief", "turns of 15 m and no standing", "  turn_radius_m: 15\n  standing_endurance_s: 0\n"),
+    ("port-relief", "26 s of landing and 13 s of climbing", "  landing_s: 26\n  climbing_s: 13\n"),
     ("warehouse-relief", "0.8 m/s2, turns at 1.5 rad/s", "  acceleration_m_s2: 0.8\n  turn_rate_rad_s: 1.5\n"),
 )
 
@@ -58,7 +59,7 @@ def charging(options: Options) -> Iterator[Row]:
 
 
 def motion_row(options: Options, name: str, told: str, lines: str) -> Row:
-    """An example whose robots charge, planned at effort quick with these limits of motion, beside that without any."""
+    """An example whose robots charge, planned at effort quick with these lines of the fleet, beside that without."""
     text = (EXAMPLES / f"{name}.yaml").read_text()
     path, found = options.folder / f"{name}-in-motion.yaml", list[tuple[Plan, float]]()
     for fleet in ("fleet:\n", f"fleet:\n{lines}"):

@@ -15,6 +15,7 @@ from rota.check.charging import battery_levels
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
 from rota.model.plan import Charge, Driven, Plan, Seam, Trajectory
+from rota.routes.moments import go_on
 
 PAD = Charger(name="pad", at=(0, 0), places=1)
 BATTERY = BatteryLimits(endurance_s=100, recharge_s=50, reserve_s=10)
@@ -106,6 +107,46 @@ def test_each_departure_takes_what_it_costs() -> None:
     # a second of driving before it is back
     assert (violation.time_s, violation.value) == pytest.approx((60 + 79, 9))
     assert violation.place_m == pytest.approx((1.0, 0.0))
+
+
+def test_a_stay_is_landing_charging_and_climbing_and_a_second_too_little_of_it_is_told() -> None:
+    # 40 s of driving and 39 s of hovering meanwhile are charged in 39.5 s, beside 26 s and 13 s on the ground
+    battery = dataclasses.replace(BATTERY, landing_s=26, climbing_s=13)
+    for docked_s, kinds in ((78.5, []), (77.5, ["takes more than it charges"])):
+        plan = Plan(mission=mission(battery), trajectories=(there_and_back(far_m=20, docked_s=docked_s),))
+        assert [kind for kind, _ in told(plan)] == kinds
+    one = there_and_back(far_m=20, docked_s=78.5)
+    levels = battery_levels(plan, one)
+    # of the second stay, from 118.5 s on
+    np.testing.assert_allclose(
+        np.interp([118, 119, 144, 145, 184, 185, 196], levels.times_s, levels.levels_s),
+        [21.5, 21, 21, 22, 100, 100, 100],
+    )
+    for by_s in (10.0, 40.0, 70.0):  # a stay goes on across the seam of its loop, wherever that is in it
+        turned = go_on(one, by_s)
+        assert told(Plan(mission=mission(battery), trajectories=(turned,))) == []
+        later, at_s = battery_levels(plan, turned), np.array([119.0, 145.0, 184.0, 190.0])
+        np.testing.assert_allclose(
+            np.interp(at_s - by_s, later.times_s, later.levels_s), np.interp(at_s, levels.times_s, levels.levels_s)
+        )
+
+
+def test_a_swap_begins_when_the_robot_has_landed_and_ends_before_it_climbs() -> None:
+    swaps = dataclasses.replace(PAD, swap_s=30)
+    battery = dataclasses.replace(BATTERY, landing_s=6, climbing_s=4, takeoff_s=1)
+    for docked_s, kinds in ((40, []), (39, ["battery below its reserve"])):
+        plan = Plan(mission=mission(battery, swaps), trajectories=(there_and_back(docked_s=docked_s),))
+        assert [kind for kind, _ in told(plan)] == kinds
+
+
+def test_a_stay_in_which_nobody_can_land_and_climb_is_told() -> None:
+    battery = BatteryLimits(endurance_s=1000, recharge_s=1, landing_s=26, climbing_s=13)
+    for docked_s, kinds in ((41.0, []), (38.0, ["leaves before it can land and climb", "takes more than it charges"])):
+        plan = Plan(mission=mission(battery), trajectories=(there_and_back(docked_s=docked_s),))
+        assert sorted(kind for kind, _ in told(plan)) == kinds
+    (first, _) = sorted(check_plan(plan).violations, key=lambda one: one.kind)
+    assert (first.who, first.value, first.limit) == ("a, pad", pytest.approx(38), 39)
+    assert first.time_s == pytest.approx(118 + 38)
 
 
 def test_who_begins_in_the_air_has_taken_off_once() -> None:
@@ -217,20 +258,31 @@ def test_levels_are_those_of_small_steps_in_time() -> None:
             if name and spots[k] == spots[k + 1] == chargers[name].at
         )
         one = Trajectory(robot="a", times_s=times_s, positions_m=np.array(spots), charges=charges)
-        battery = BatteryLimits(endurance_s=100, recharge_s=50, standing_endurance_s=150, takeoff_s=takeoff_s)
+        grounding_s = (2.5, 1.25) if number % 3 == 2 else (0.0, 0.0)
+        battery = BatteryLimits(
+            endurance_s=100, recharge_s=50, standing_endurance_s=150, takeoff_s=takeoff_s, landing_s=grounding_s[0],
+            climbing_s=grounding_s[1],
+        )  # fmt: skip
         plan = Plan(mission=mission(battery, *chargers.values()), trajectories=(one,))
         levels = battery_levels(plan, one)
         asked_s = np.arange(0.25, 2 * times_s[-1], 0.5)
-        stepped = stepped_levels(one, chargers, asked_s, takeoff_s)
+        stepped = stepped_levels(one, chargers, asked_s, takeoff_s or sum(grounding_s) * 100 / 150, grounding_s)
         np.testing.assert_allclose(np.interp(asked_s, levels.times_s, levels.levels_s), stepped, atol=1e-6)
 
 
 def stepped_levels(
-    one: Trajectory, chargers: dict[str, Charger], asked_s: np.ndarray[Any, Any], takeoff_s: float
-) -> list[float]:
-    """The battery by small steps: full at first, 100 s of driving, 150 s of standing, 50 s of charging."""
+    one: Trajectory, chargers: dict[str, Charger], asked_s: np.ndarray[Any, Any], takeoff_s: float,
+    grounding_s: tuple[float, float],
+) -> list[float]:  # fmt: skip
+    """The battery by small steps: full at first, 100 s of driving, 150 s of standing, 50 s of charging.
+
+    grounding_s: of each stay these are for landing and for climbing; a robot that begins on the ground has landed.
+    """
     step_s, level, stood, now, found = 0.25, 100.0, 0.0, 0.0, []
     before: str | None = "ground"
+    middles_s = np.arange(step_s / 2, 4 * one.times_s[-1], step_s)
+    stays = np.array([any(c.from_s <= s <= c.until_s for c in one.charges) for s in middles_s % one.times_s[-1]])
+    edges = np.flatnonzero(np.diff(stays)) + 1
     for k in itertools.count():
         if len(found) == len(asked_s):
             return found
@@ -242,7 +294,13 @@ def stepped_levels(
         stood = stood + step_s if charge is not None and charge == before else step_s if charge else 0.0
         level -= takeoff_s if charge is None and before is not None else 0.0
         before = charge
-        if charge is None:
+        came, leaves = edges[edges <= k].max(initial=-100), edges[edges > k].min(initial=10**6)
+        rests = charge is not None and not (
+            (k - came) * step_s >= grounding_s[0] - 1e-9 and (leaves - k - 1) * step_s >= grounding_s[1] - 1e-9
+        )
+        if rests:
+            stood = 0.0 if (k - came) * step_s < grounding_s[0] - 1e-9 else stood - step_s
+        elif charge is None:
             moves = (one.positions_m[leg] != one.positions_m[leg + 1]).any()
             level -= step_s if moves else step_s * 100 / 150
         elif chargers[charge].swap_s is None:

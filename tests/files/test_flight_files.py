@@ -23,7 +23,7 @@ from pymavlink import mavwp
 from pyproj import Geod
 from tests.files.test_dji_waylines import kmz_documents, read_by_djikmz
 from tests.files.test_vda5050_orders import drive
-from tests.relieved import SQUARE_M, relieved
+from tests.relieved import SQUARE_M, relieved, with_battery
 
 from rota import export_plan
 from rota.errors import PlanError, RotaError
@@ -74,6 +74,13 @@ def test_the_table_says_when_each_flight_starts(tmp_path: Path) -> None:
     document = json.loads((tmp_path / "out" / rows[0]["files"]).read_text())
     assert "it lands on pad 180.0 s after its start" in document["description"]
     assert "all starting at the same instant" not in document["description"]
+
+
+def test_the_table_says_when_a_robot_has_to_leave_the_ground(tmp_path: Path) -> None:
+    plan = with_battery(relieved(3), landing_s=26, climbing_s=13)
+    rows = rows_of(export_plan(plan, "qgroundcontrol", tmp_path / "out"))
+    told = [[float(row[name]) for name in ("starts_s", "takes_off_s", "charges_s")] for row in rows]
+    np.testing.assert_allclose(told, [[s, s - 13, 300 - 39] for s in (-160, 0, 160)], atol=1e-3)
 
 
 def test_djikmz_reads_a_flight_that_lands_where_it_ends(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 
@@ -26,6 +27,7 @@ def told(tmp_path: Path, **fleet: Any) -> tuple[Fleet, tuple[str, ...]]:
     document = {
         "rota": 1, "name": "yard", "area": [[0, 0], [60, 0], [60, 40], [0, 40]], "period_s": 60,
         "fleet": {"sensor": {"shape": "disc", "radius_m": 5}, **fleet},
+        **({"chargers": [{"name": "pad", "at": [30, 20]}]} if "endurance_s" in fleet else {}),
     }  # fmt: skip
     path = tmp_path / "mission.yaml"
     path.write_text(yaml.safe_dump(document))
@@ -90,6 +92,28 @@ def test_robots_have_what_the_fleet_has_unless_they_say_otherwise(tmp_path: Path
     )
     assert (other.motion, other.speed_m_s) == (px4, 5)
     assert (free.motion, free.speed_m_s) == (MotionLimits(wind_m_s=2), 8)
+
+
+def test_copters_that_charge_land_and_climb_as_their_firmware_does(tmp_path: Path) -> None:
+    battery = {"endurance_s": 1200, "recharge_s": 2400}
+    copter = read(tmp_path, vehicle="arducopter-targets", altitude_m=20, **battery).battery
+    # 10 m at 1.5 m/s and 10 m at 0.5 m/s down; 5 s to take off and 20 m at 2.5 m/s up
+    assert (copter.landing_s, copter.climbing_s) == (pytest.approx(10 / 1.5 + 20), pytest.approx(13))
+    assert copter.departure_s == pytest.approx(10 / 1.5 + 33)  # as hovering
+    assert read(tmp_path, vehicle="arducopter-targets", altitude_m=5, **battery).battery.landing_s == 10
+    px4 = read(tmp_path, vehicle="px4", altitude_m=20, **battery).battery
+    # PX4 slows down evenly with its height from 10 m on to 5 m
+    heights_m = np.arange(0, 20, 1e-3) + 5e-4
+    down_m_s = np.interp(heights_m, [5, 10], [0.7, 1.5])
+    assert px4.landing_s == pytest.approx((1e-3 / down_m_s).sum(), rel=1e-5)
+    assert px4.climbing_s == pytest.approx(8 + 10 / 1.5 + 10 / 3)
+    own = read(tmp_path, vehicle="px4", landing_s=40, climbing_s=0, **battery).battery
+    assert (own.landing_s, own.climbing_s, own.departure_s) == (40, 0, 40)
+    robots = [{"name": "like"}, {"name": "floor", "vehicle": "agv"}, {"name": "own", "climbing_s": 7}]
+    like, floor, own_robot = read(tmp_path, vehicle="arducopter-targets", robots=robots, **battery).robots or ()
+    assert (like.battery.climbing_s, floor.battery.grounding_s, own_robot.battery.climbing_s) == (17, 0, 7)
+    assert read(tmp_path, vehicle="arducopter-targets").battery.grounding_s == 0  # it never lands
+    assert read(tmp_path, speed_m_s=3, **battery).battery.grounding_s == 0
 
 
 def test_a_robot_on_the_floor_turns_as_its_vehicle_does(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from tests.links.fleets import dropped, loop_of, plan_of, reports_until, routes_
 from tests.relieved import relieved, with_battery
 
 from rota.errors import LinkError, RotaError
-from rota.links.link import Report
+from rota.links.link import Dock, Order, Report
 from rota.links.link_settings import make_link
 from rota.model.plan import Plan, Trajectory
 
@@ -97,6 +97,34 @@ def test_leaving_the_ground_takes_its_share_of_a_battery() -> None:
     assert left["robot-1", 10.0] == pytest.approx((400 - 30 - 10) / 400)
     assert left["robot-2", 150.0] == 1.0
     assert left["robot-2", 165.0] == pytest.approx((400 - 30 - 5) / 400, abs=0.002)
+
+
+def test_vehicles_charge_when_they_have_landed_and_until_they_climb() -> None:
+    # of 400 s robot-1 has 190 when it lands after 180 s; it charges 2 s a second from 206 s on
+    plan = with_battery(relieved(2), takeoff_s=30, landing_s=26, climbing_s=13)
+    reports = driven(plan, 290.0, *EXACT)
+    left = {(report.robot, round(report.time_s, 6)): (report.battery or 0) * 400 for report in reports}
+    at_s = {205.0: 190, 216.0: 210, 286.0: 350}
+    assert [left["robot-1", time_s] for time_s in at_s] == pytest.approx(list(at_s.values()), abs=1)
+
+    async def leaves() -> list[float]:
+        link = make_link("simulated", plan, EXACT)
+        await send_and_start(link, plan)
+        await reports_until(link, 290.0)
+        found, order = (
+            list[float](),
+            Order(robot="robot-1", late_s=0, behind_s=0, rate=1, dock=Dock(leaves=True, plan_s=320)),
+        )
+        for until_s in (291.0, 303.0, 305.0):
+            await link.keep(order)
+            report = [one for one in await reports_until(link, until_s) if one.robot == "robot-1"][-1]
+            found += [(report.battery or 0) * 400, report.position_m[0]]
+        return found
+
+    battery_s, x_m = np.array(asyncio.run(leaves())).reshape(-1, 2).T
+    # it is told to leave after 290 s, stands for 13 s, and takes off
+    assert battery_s == pytest.approx([358, 358, 358 - 30 - 2], abs=2)
+    assert x_m == pytest.approx([0, 0, 2], abs=0.6)
 
 
 def test_pausing_goes_on_from_there_and_home_is_where_it_began() -> None:

@@ -71,6 +71,11 @@ def test_what_does_not_go_together_is_told(
             "takeoff_s: 7 is not allowed; .* beside reserve_s, 7",
         ),
         ({"takeoff_s": 5}, "takeoff_s: 5 is not allowed; needs endurance_s"),
+        ({"landing_s": 5}, "landing_s: 5 is not allowed; needs endurance_s"),
+        (
+            {"endurance_s": 90, "reserve_s": 20, "landing_s": 26, "climbing_s": 9, "standing_endurance_s": 45},
+            "landing_s: 26 is not allowed; must be less: hovering while it climbs and lands takes 70 s of driving",
+        ),
         ({"standing_endurance_s": 0}, "standing_endurance_s: 0 is not allowed; needs endurance_s"),
         ({"endurance_s": 9, "standing_endurance_s": 1e-4}, "standing_endurance_s: .* must be 0 or at least 0.001"),
         ({"endurance_s": math.nan}, "endurance_s: .nan is not allowed"),

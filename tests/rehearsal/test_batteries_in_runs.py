@@ -43,10 +43,21 @@ def with_places(plan: Plan, places: int) -> Plan:
     return replace(plan, mission=replace(plan.mission, chargers=(pad,)))
 
 
+GROUNDING = {"landing_s": 26, "climbing_s": 13, "takeoff_s": 5}
+
+
 @pytest.mark.parametrize(
     "plan",
-    [taking_turns(), relieved(2), relieved(3), with_swaps(relieved(3), 50.0), with_battery(relieved(3), takeoff_s=30)],
-    ids=["road", "2", "3", "swaps", "take-offs"],
+    [
+        taking_turns(),
+        relieved(2),
+        relieved(3),
+        with_swaps(relieved(3), 50.0),
+        with_battery(relieved(3), takeoff_s=30),
+        with_battery(relieved(2), **GROUNDING),
+        with_swaps(with_battery(relieved(2), **GROUNDING), 100),
+    ],
+    ids=["road", "2", "3", "swaps", "take-offs", "climbs", "climbs, swaps"],
 )
 def test_without_chance_batteries_are_those_of_the_check(plan: Plan) -> None:
     scene = scene_of(plan, Conditions(hours=1.0))
@@ -86,19 +97,20 @@ def test_a_late_robot_leaves_by_the_clock_where_its_battery_will_do() -> None:
     assert driven.times_s[0, 120] == pytest.approx(120.0)
 
 
-def test_who_has_not_charged_enough_stays_until_it_has() -> None:
+@pytest.mark.parametrize("grounding", [{}, GROUNDING], ids=["at once", "climbs"])
+def test_who_has_not_charged_enough_stays_until_it_has(grounding: dict[str, float]) -> None:
     """40 s of 400 are the reserve. The slower robots fly, the longer they charge, at 2 s a second."""
     wind_m_s = 0.5
-    plan = relieved(2)
+    plan = with_battery(relieved(2), **grounding)
     asked = Conditions(hours=2.0, wind_m_s=wind_m_s, wind_from_deg=90.0, hands_off=True)
     driven, fills = drive(scene_of(plan, asked), 0, 0)
     east, north = 1 / (1 - wind_m_s), 1 / math.sqrt(1 - wind_m_s**2)
     flown_s = 10 + 10 * east + 2 * (20 + 20 * east + 40 * north)
-    left_s = 400 - flown_s
+    left_s = 400 - flown_s - grounding.get("takeoff_s", 0)
     stays = fills.stays_s[: fills.noted[0]][fills.stays[: fills.noted[0], 0] == 0]
     # it leaves with what it has planned for the next flight and the reserve, if it is not time sooner
-    enough_s = FLIGHT_S + 40
-    least_stay_s = (enough_s - left_s) / 2
+    enough_s = FLIGHT_S + 40 + grounding.get("takeoff_s", 0)
+    least_stay_s = (enough_s - left_s) / 2 + (26 + 13 if grounding else 0)
     assert least_stay_s < stays[0, 1] - stays[0, 0] + 1e-6
     assert stays[0, 0] == pytest.approx(flown_s)
     assert stays[0, 1] == pytest.approx(max(2 * TURN_S, flown_s + least_stay_s), abs=1e-5)

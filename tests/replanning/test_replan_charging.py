@@ -181,3 +181,34 @@ def test_a_changed_mission_keeps_chargers_and_batteries() -> None:
     stronger = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=robots))
     with pytest.raises(MissionError, match="the battery of robot a in the changed mission is not as in the plan"):
         replan(plan, at_s=10.0, mission=stronger)
+
+
+@pytest.mark.parametrize("at_s", [0.0, 30.0, 36.0, 39.5, 43.0, 100.0])
+def test_stays_in_which_plans_take_over_have_time_to_land_and_to_climb(at_s: float) -> None:
+    # 40 s of flight are charged in 50 s, beside 6 s of landing and 5 s of climbing, of 80 s that there are
+    plan = with_battery(relay(spare=True), recharge_s=100, takeoff_s=1e-9, landing_s=6, climbing_s=5)
+    assert check_plan(plan).verdict == "met"
+    assert replan(plan, at_s=at_s).report.verdict == "met"
+    found = replan(plan, at_s=at_s, lost=["a"])
+    assert {one.kind for one in found.report.violations} <= {"gap"}
+    assert found.meets_demand
+    again = plan_from_text(plan_text(found.plan), "it")
+    assert check_plan(again).verdict == found.report.verdict
+    assert again.seam is not None
+    for driven in again.seam.driven:
+        leaves_s = min((one.until_s for one in plan[driven.robot].charges if one.until_s >= at_s), default=math.inf)
+        docked = any(one.from_s < at_s <= one.until_s for one in plan[driven.robot].charges)
+        assert driven.climbed_s == pytest.approx(max(0.0, 5 - (leaves_s - at_s)) if docked else 0.0, abs=1e-6)
+
+
+def test_one_that_leaves_sooner_than_it_can_climb_is_found_where_a_plan_takes_over() -> None:
+    plan = with_battery(relay(spare=True), recharge_s=100, takeoff_s=1e-9, landing_s=6, climbing_s=5)
+    found = replan(plan, at_s=36.0).plan
+    assert check_plan(found).verdict == "met"
+    assert found.seam is not None
+    climbing = next(one for one in found.seam.driven if one.climbed_s > 0)
+    told = replace(found.seam, driven=tuple(replace(one, climbed_s=0.0) for one in found.seam.driven))
+    (violation,) = check_plan(replace(found, seam=told)).violations
+    assert violation.kind == "leaves before it can land and climb"
+    assert violation.who.startswith(f"{climbing.robot}, ")
+    assert violation.limit == pytest.approx(5)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation, violation
 from rota.check.routes import Routes, commensurable_classes
+from rota.check.stays import hasty_violations, stays_on_s
 from rota.check.tolerances import BATTERY_S, SAME_TIME, STILL_M, TOUCH_M
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
@@ -116,14 +117,14 @@ def level_after_s(plan: Plan, driven: Driven, until_s: float = 0.0) -> float:
 
 
 class _Follower:
-    """A robot's battery as it is driven: times_s and levels_s in pieces, and at which charger it stands how long."""
+    """A robot's battery as it is driven: times_s and levels_s in pieces, and at which charger it charges how long."""
 
     def __init__(self, plan: Plan, robot: str) -> None:
         self._robot = plan.mission.fleet.robot(robot)
         self._chargers = {charger.name: charger for charger in plan.mission.chargers}
         self._full_s = self._robot.battery.endurance_s or math.inf
-        self._stood: tuple[str, float] = ("", 0.0)
-        self._in_air, self._left_s = False, math.inf  # left_s: by what was driven before
+        self._stood: tuple[str, float] = ("", 0.0)  # since it has landed; below 0: it lands
+        self._begun, self._in_air, self._left_s = False, False, math.inf  # left_s: by what was driven before
         self.times_s, self.levels_s = [np.zeros(1)], [np.full(1, self._full_s)]
 
     @property
@@ -134,6 +135,9 @@ class _Follower:
     def begin(self, way: Trajectory | Driven) -> None:
         """Take the level that the way begins with."""
         self.times_s, self.levels_s = [way.times_s[:1]], [np.full(1, self._full_s * way.battery)]
+        if not self._begun and way.charges and way.charges[0].from_s == way.times_s[0]:
+            self._stood = (way.charges[0].charger, 0.0)
+        self._begun = len(way.times_s) > 1
         if len(way.times_s) == 1:
             self._take_off(0.0)
 
@@ -148,7 +152,7 @@ class _Follower:
 
     def _take_off(self, time_s: float) -> None:
         """Take what it costs to leave the ground; who does as a plan takes over has no more than that leaves."""
-        cost_s = self._robot.battery.takeoff_s
+        cost_s = self._robot.battery.departure_s
         if cost_s > 0 and not self._in_air:
             level_s = self.level_s if math.isfinite(self._left_s) else self.level_s - cost_s
             self.times_s.append(np.full(1, time_s))
@@ -168,14 +172,22 @@ class _Follower:
                 self.levels_s.append(level_s - np.cumsum(used_s[begin:end]))
             else:
                 self._in_air = False
-                self._charge(charge, float(times_s[begin] + late_s), float(times_s[end] + late_s))
+                ends_s = float(times_s[end])
+                stays_s = charge.until_s - ends_s + stays_on_s(way, charge, self._robot.battery.climbing_s)
+                ends_s += late_s
+                self._charge(charge.charger, float(times_s[begin] + late_s), ends_s, ends_s + stays_s)
             self._left_s = math.inf
 
-    def _charge(self, charge: str, begin_s: float, end_s: float) -> None:
-        """Follow a stay at a charger."""
-        level_s, charger = self.level_s, self._chargers[charge]
-        before_s = self._stood[1] if self._stood[0] == charge else 0.0
+    def _charge(self, charge: str, begin_s: float, end_s: float, leaves_s: float) -> None:
+        """Follow a stay at a charger, or a part of it: it lands, charges and climbs, until it leaves in the end."""
+        level_s, charger, battery = self.level_s, self._chargers[charge], self._robot.battery
+        before_s = self._stood[1] if self._stood[0] == charge else -battery.landing_s
         self._stood = (charge, before_s + end_s - begin_s)
+        if before_s < 0:
+            begin_s, before_s = min(begin_s - before_s, end_s), 0.0
+            self.times_s.append(np.full(1, begin_s))
+            self.levels_s.append(np.full(1, level_s))
+        last_s, end_s = end_s, min(end_s, max(leaves_s - battery.climbing_s, begin_s))
         full_s = begin_s + _full_after_s(level_s, self._robot, charger, before_s)
         charged_s = (end_s - begin_s) * self._full_s / (self._robot.battery.recharge_s or math.inf)
         if charger.swap_s is not None:
@@ -187,17 +199,20 @@ class _Follower:
             level_s, charged_s = self._full_s, 0.0
         self.times_s.append(np.full(1, end_s))
         self.levels_s.append(np.full(1, level_s + charged_s))
+        if end_s < last_s:
+            self.times_s.append(np.full(1, last_s))
+            self.levels_s.append(np.full(1, level_s + charged_s))
 
 
-def _stretches(way: Trajectory | Driven, low: int, high: int) -> Iterator[tuple[int, int, str | None]]:
-    """The legs from one index to another, cut where charges begin and end: from, to, and at which charger."""
+def _stretches(way: Trajectory | Driven, low: int, high: int) -> Iterator[tuple[int, int, Charge | None]]:
+    """The legs from one index to another, cut where charges begin and end: from, to, and the charge, if any."""
     for charge in way.charges:
         begin, end = (int(k) for k in np.searchsorted(way.times_s, (charge.from_s, charge.until_s)))
         begin, end = max(begin, low), min(end, high)
         if begin < end:
             if low < begin:
                 yield low, begin, None
-            yield begin, end, charge.charger
+            yield begin, end, charge
             low = end
     if low < high:
         yield low, high, None
@@ -228,7 +243,7 @@ def charging_violations(plan: Plan) -> list[Violation]:
         violations += _below_reserve(one, robot, battery_levels(plan, one))
         if before is not None:
             violations += _fuller_than_driven(one, robot, level_after_s(plan, before))
-    return violations + _too_many_at_once(plan, chargers)
+    return violations + _too_many_at_once(plan, chargers) + list(hasty_violations(plan))
 
 
 def _fuller_than_driven(trajectory: Trajectory, robot: Robot, left_s: float) -> list[Violation]:

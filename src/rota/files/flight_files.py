@@ -22,6 +22,7 @@ COLUMNS = (
     "files", "robot", "number", "starts_s", "every_s", "lasts_s", "length_m", "serves", "from_charger", "charger",
     "charges_s",
 )  # fmt: skip
+TAKES_OFF = "takes_off_s"  # one more, where robots take time to climb or to land
 
 
 def write_flights(
@@ -33,7 +34,8 @@ def write_flights(
 
     starts_s: seconds after the plan's start at which the flight first begins. It is below 0 for flights under way at
     that time. It begins again every ``every_s`` seconds; empty: it is flown once. serves: the loop's letter in
-    pictures. Robots that do not charge have their files as ever, and no row. Raises as ``write``.
+    pictures. charges_s leaves out what it takes to land and to climb. Robots that do not charge have their files as
+    ever, and no row. Raises as ``write``.
     """
     made, flights = plan_of_flights(plan)
     paths = write(made, folder, *clock, flights=flights) if clock else write(made, folder)
@@ -41,7 +43,7 @@ def write_flights(
     names = {one.robot: paths[k * of_one : (k + 1) * of_one] for k, one in enumerate(made)}
     own = [files for name, files in names.items() if made[name].charges]
     table = Path(folder) / TABLE
-    write_atomically(table, flights_table(flights, own))
+    write_atomically(table, flights_table(plan, flights, own))
     return (*paths, table)
 
 
@@ -50,12 +52,17 @@ def time_in_table(time_s: float) -> float:
     return round(time_s, 3)
 
 
-def flights_table(flights: Sequence[Flight], files: Sequence[Sequence[Path]]) -> str:
-    """The text of the table: a row for each flight, in the order in which they begin; times in seconds to the ms."""
+def flights_table(plan: Plan, flights: Sequence[Flight], files: Sequence[Sequence[Path]]) -> str:
+    """The text of the table: a row for each flight, in the order in which they begin; times in seconds to the ms.
+
+    Where robots take time to climb or to land ``takes_off_s`` comes last: when the robot has to leave the ground.
+    """
     serves = service_of(flights).serves
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(COLUMNS)
+    batteries = [plan.mission.fleet.robot(flight.robot).battery for flight in flights]
+    climbs = any(battery.grounding_s > 0 for battery in batteries)
+    rows.writerow((*COLUMNS, TAKES_OFF) if climbs else COLUMNS)
     for k in sorted(range(len(flights)), key=lambda k: flights[k].starts_s):
         flight = flights[k]
         length_m = float(np.linalg.norm(np.diff(flight.positions_m, axis=0), axis=1).sum())
@@ -72,7 +79,8 @@ def flights_table(flights: Sequence[Flight], files: Sequence[Sequence[Path]]) ->
                     loop_letter(serves[k]),
                     flight.from_charger or "",
                     flight.charger,
-                    time_in_table(flight.charges_s),
+                    time_in_table(max(flight.charges_s - batteries[k].grounding_s, 0.0)),
+                    *([time_in_table(flight.starts_s - batteries[k].climbing_s)] if climbs else []),
                 ]
             )
         )

@@ -25,15 +25,21 @@ ABLE = flat_fields_of(Abilities)
 AS_NOTHING = {item.name for item in ABLE if not (item.optional or item.empty)} | {"vehicle"}
 # from the fleet unless a robot's vehicle presets them
 NOT_OF_VEHICLES = (*(item.name for item in fields_of(Abilities) if not item.flat), "wind_m_s", *BATTERY_FIELDS)
+USUAL_ALTITUDE_M: float = next(item.default for item in fields_of(Fleet) if item.name == "altitude_m")
 Values = dict[str, Any]  # of a block of the file, those that are given, by their names
 
 
 @dataclass(frozen=True, kw_only=True)
 class Driving:
-    """What a robot can do: the values of ``DRIVING``, None where there is none, and where in the file each stands."""
+    """What a robot can do: the values of ``DRIVING``, None where there is none, and where in the file each stands.
+
+    said: which of them the block gives itself, or its fleet. altitude_m: how high its fleet flies.
+    """
 
     values: dict[str, Any]
     places: dict[str, Place]
+    said: frozenset[str]
+    altitude_m: float
 
     @property
     def vehicle(self) -> Vehicle:
@@ -108,7 +114,14 @@ def _driving(block: Values, place: Place, common: Driving | None) -> Driving:
     if len(banks) > 1 and places["turn_radius_m"][-1] == "vehicle":
         # banked as far as it may be, it turns on arcs that grow as the square of its speed
         values["turn_radius_m"] = banks["turn_radius_m"] * (values["speed_m_s"] / banks["speed_m_s"]) ** 2
-    return Driving(values=values, places=places)
+    told = frozenset(given) | (common.said if common is not None else frozenset())
+    altitude_m = block.get("altitude_m", USUAL_ALTITUDE_M) if common is None else common.altitude_m
+    firmware = VEHICLES[values["vehicle"] or NONE.name]
+    for name, takes_s in (("landing_s", firmware.landing_s), ("climbing_s", firmware.climbing_s)):
+        if name not in told:
+            values[name] = takes_s(altitude_m) if values["endurance_s"] is not None else 0.0
+            places[name] = (*place, "vehicle") if values[name] and "vehicle" in given else places[name]
+    return Driving(values=values, places=places, said=told, altitude_m=altitude_m)
 
 
 # ---------------------------------------------------------------- faults

@@ -15,18 +15,15 @@ from rota.links.mavlink_held import MISSION, as_sent
 from rota.links.mavlink_items import WireItem, require_room
 from rota.links.mavlink_link import MavlinkLink, MavlinkSettings
 from rota.links.mavlink_pace import MissionPace
-from rota.links.mavlink_target_link import ARMS_S, CLIMBS_M_S, OWN_SPOT_M
+from rota.links.mavlink_target_link import OWN_SPOT_M
 from rota.links.mavlink_vehicle import MavlinkVehicle
 from rota.model.plan import Plan
 from rota.routes.flights import has_flights
 from rota.routes.moments import route_after
 from rota.routes.route import Route
-from rota.vehicles.presets import PX4
+from rota.vehicles.presets import ARDUCOPTER, PX4
 
 SENDS_S = 5.0  # how long a mission may take to be sent before its copter takes off
-# of PX4's take-off: MPC_TKO_SPEED up to MPC_LAND_ALT1, MPC_TKO_RAMP_T later (by default; _updateTrajConstraints of
-# FlightTaskAutoLineSmoothVel.cpp, later FlightTaskAuto.cpp)
-PX4_SLOWLY_M_S, PX4_SLOW_M, PX4_RAMP_S = 1.5, 10.0, 3.0
 
 
 class MavlinkFlightLink(MavlinkLink):
@@ -48,7 +45,7 @@ class MavlinkFlightLink(MavlinkLink):
         # of those that charge the flight whose mission they hold; None: they are on a charger
         self._flown: dict[str, Route | None] = {name: self._flight_at(name, 0.0) for name in self._ways}
         self._leaving: set[str] = set()
-        self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S + SENDS_S
+        self.lead_s = ARDUCOPTER.climbing_s(fleet.altitude_m) + SENDS_S
         self._spots_m: dict[str, tuple[float, float]] = {}
         # PX4s that hold their posts, and copters that hover before and after their flights, as this link has told them
         self._hold: set[str] = set()
@@ -60,10 +57,8 @@ class MavlinkFlightLink(MavlinkLink):
 
     async def _connect(self, robot: str) -> None:
         await super()._connect(robot)
-        if self._vehicle(robot).autopilot == "px4" and PX4.climb_m_s is not None:
-            slow_m = min(self._altitude_m, PX4_SLOW_M)
-            climbs_s = PX4_RAMP_S + slow_m / PX4_SLOWLY_M_S + (self._altitude_m - slow_m) / PX4.climb_m_s.value
-            self.lead_s = max(self.lead_s, climbs_s + ARMS_S + SENDS_S)
+        if self._vehicle(robot).autopilot == "px4":
+            self.lead_s = max(self.lead_s, PX4.climbing_s(self._altitude_m) + SENDS_S)
 
     def _mode(self, vehicle: MavlinkVehicle) -> Mode | None:
         """One that holds its post, or is on its charger, does what its plan asks for, though its mode is HOLD."""

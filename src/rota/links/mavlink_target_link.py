@@ -22,9 +22,9 @@ from rota.links.rounded_track import RoundedTrack
 from rota.model.plan import Plan
 from rota.routes.flights import on_charger, recharges
 from rota.routes.route import Place3, Route
+from rota.vehicles.presets import ARDUCOPTER
 
 OWN_SPOT_M = 5.0  # from its charger, within which a copter has a place of its own there
-CLIMBS_M_S, ARMS_S = 2.5, 5.0  # ArduCopter's WPNAV_SPEED_UP by default; until it is armed and off the ground
 
 
 class MavlinkTargetLink(MavlinkLink):
@@ -39,7 +39,7 @@ class MavlinkTargetLink(MavlinkLink):
         tops_m_s = {way.robot: fleet.robot(way.robot).speed_m_s for way in plan}
         super().__init__(tops_m_s, plan.mission.area.bounds, projection, settings, {})
         self._altitude_m = fleet.altitude_m
-        self.lead_s = fleet.altitude_m / CLIMBS_M_S + ARMS_S if recharges(plan) else 0.0
+        self.lead_s = ARDUCOPTER.climbing_s(fleet.altitude_m) if recharges(plan) else 0.0
         self._spots_m: dict[str, tuple[float, float]] = {}
         self._docked = {way.robot for way in plan if on_charger(way, np.zeros(1))[0]}
         asked, corner_m = settings.acceleration_m_s2, settings.corner_m

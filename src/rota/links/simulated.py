@@ -83,7 +83,11 @@ def _pads(plan: Plan, settings: SimulatedSettings) -> Pads | None:
     robots, chargers = [plan.mission.fleet.robot(way.robot) for way in plan], plan.mission.chargers
     lasts_s = [[pad.swap_s or robot.battery.recharge_s or math.inf for pad in chargers] for robot in robots]
     places_m = np.array([pad.at for pad in chargers], np.float64)
-    return Pads(places_m, (1 - settings.slower_charging) / np.array(lasts_s, np.float64))
+    fills = (1 - settings.slower_charging) / np.array(lasts_s, np.float64)
+    landing_s, climbing_s = (
+        np.array([getattr(robot.battery, name) for robot in robots], np.float64) for name in ("landing_s", "climbing_s")
+    )
+    return Pads(places_m, fills, landing_s, climbing_s)
 
 
 class SimulatedLink(ReportingLink):
@@ -119,7 +123,7 @@ class SimulatedLink(ReportingLink):
             stop_noise_s=settings.stop_noise_s,
             speed_noise=settings.speed_noise,
             battery_s=lasts_s,
-            takeoffs=np.array([battery.takeoff_s for battery in batteries]) / lasts_s,
+            takeoffs=np.array([battery.departure_s for battery in batteries]) / lasts_s,
             pads=pads,
         )
         self._dies_s = self._death_times()

@@ -23,6 +23,7 @@ PACE_MEMORY_S = 10.0  # in which a vehicle's pace becomes another
 SLOWEST, FASTEST = 0.2, 2.0  # paces, as multiples of the planned speed
 CATCH_UP_S = 4.0  # in which a vehicle makes up what it is late by, if it may drive so fast
 AT_PAD_M, STILL_M = 0.5, 1e-6  # from a pad, within which a vehicle that does not move charges
+STILL_S = 1e-9  # by which rounding may tell a time too late
 HOME_SPEED_M_S = 1.0  # of a vehicle that is called home and never had a speed
 
 
@@ -101,10 +102,15 @@ class Vehicle:
 
 
 class Pads(NamedTuple):
-    """Where vehicles charge: places_m (p, 2), and the share of a battery that a second there adds, (n, p)."""
+    """Where vehicles charge: places_m (p, 2), and the share of a battery that a second there adds, (n, p).
+
+    landing_s, climbing_s: (n,) how long a vehicle is there before that, and after that, when it is told to leave.
+    """
 
     places_m: Floats
     fills: Floats
+    landing_s: Floats
+    climbing_s: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,6 +159,8 @@ class Vehicles:
     _segment: NDArray[np.int64] = field(init=False)
     _done_s: Floats = field(init=False)
     _grounded: NDArray[np.bool_] = field(init=False)
+    _stood_s: Floats = field(init=False)
+    _leaves_s: Floats = field(init=False)
     _tables: Tables | None = None
 
     def __post_init__(self) -> None:
@@ -161,6 +169,7 @@ class Vehicles:
         self.positions_m = np.array([vehicle.home_m for vehicle in self.vehicles], dtype=np.float64).reshape(n, 3)
         self.held_until_s, self._done_s = np.full(n, -math.inf), np.zeros(n)
         self.told_pace, self._grounded = np.ones(n), np.ones(n, dtype=bool)
+        self._stood_s, self._leaves_s = np.full(n, math.inf), np.full(n, math.inf)
         self._noise = self.rng.standard_normal(n)
         self._segment = np.zeros(n, dtype=np.int64)
 
@@ -189,7 +198,12 @@ class Vehicles:
             self._done_s[k] = min(lasting_s, self._done_s[k] + late_s)
 
     def dock(self, k: int, leaves: bool) -> None:
-        """Let the k-th vehicle, which is at its charger or all but there, leave it, or come to it and stay."""
+        """Let the k-th vehicle, at its charger or all but there, climb and leave it, or come to it and stay."""
+        if not leaves:
+            self._leaves_s[k] = math.inf
+        elif math.isinf(self._leaves_s[k]):
+            self._leaves_s[k] = self.time_s + (0.0 if self.pads is None else self.pads.climbing_s[k])
+        leaves = leaves and self.time_s >= self._leaves_s[k] - STILL_S
         at, tables = self._segment[k], self._tables
         waits = tables is not None and not tables.is_drive[at]
         self.told_pace[k] = 1.0 if leaves or (not waits and self._done_s[k] > 0) else 0.0
@@ -274,21 +288,29 @@ class Vehicles:
         )
         driven = tables.start_m[self._segment] + share[:, None] * tables.step_m[self._segment]
         before_m, self.positions_m = self.positions_m, np.where(moving[:, None], driven, self.positions_m)
-        filled = self._gains(before_m) * duration_s * moving
+        at_pad, gains = self._gains(before_m, duration_s)
+        filled = gains * duration_s * moving
         leaves = self._grounded & (np.abs(self.positions_m - before_m).max(axis=1, initial=0.0) > STILL_M)
-        self._grounded = (self._grounded & ~leaves) | (filled > 0)
-        used = np.where(filled > 0, 0.0, moving * duration_s / self.battery_s) + self.takeoffs * leaves
+        self._grounded = (self._grounded & ~leaves) | (at_pad & moving)
+        used = np.where(at_pad, 0.0, moving * duration_s / self.battery_s) + self.takeoffs * leaves
         self.battery = np.clip(self.battery + filled - used, 0.0, 1.0)
 
-    def _gains(self, before_m: Floats) -> Floats:
-        """What a second adds to each battery (n,), of those that have stood at a pad since they were there."""
+    def _gains(self, before_m: Floats, duration_s: float) -> tuple[NDArray[np.bool_], Floats]:
+        """Who is at a pad, (n,), and what a second adds to each battery (n,): to those that neither land nor climb.
+
+        They have stood there since they were at ``before_m``, so many seconds ago.
+        """
         if self.pads is None:
-            return np.zeros(len(self.vehicles))
+            return np.zeros(len(self.vehicles), np.bool_), np.zeros(len(self.vehicles))
         stood = np.abs(self.positions_m - before_m).max(axis=1) <= STILL_M
+        self._stood_s = np.where(stood, self._stood_s + duration_s, 0.0)
+        climbs = np.isfinite(self._leaves_s) & (self.pads.climbing_s > 0)
+        charges = (self._stood_s > self.pads.landing_s) & ~climbs
         off_m = np.hypot(*np.moveaxis(self.positions_m[:, None, :2] - self.pads.places_m, -1, 0))
         at = off_m.argmin(axis=1)
         rows = np.arange(len(at))
-        return np.where(stood & (off_m[rows, at] <= AT_PAD_M), self.pads.fills[rows, at], 0.0)
+        at_pad = stood & (off_m[rows, at] <= AT_PAD_M) & (self.pads.fills[rows, at] > 0)
+        return at_pad, np.where(at_pad & charges, self.pads.fills[rows, at], 0.0)
 
     def _lost_s(self, stops: int) -> Floats:
         """What is lost at so many stops, (stops,) seconds."""

@@ -102,7 +102,8 @@ class Reliefs:
     ) -> tuple[Conduct, list[Notice]]:
         """What robots that charge are to do at ``now_s``; behind_of_s: how far a robot's clock is behind the plan's.
 
-        lead_s: how long before it leaves a robot has to be told, since it has to climb first.
+        lead_s: how long before it leaves a robot has to be told at least, since it has to climb first; the plan may
+        have it climb for longer.
         """
         self._lead_s = lead_s
         made, hurried, late = Conduct(), set[str](), list[str]()
@@ -146,9 +147,10 @@ class Reliefs:
         left_s = math.inf if robot.battery is None or full_s is None else robot.battery * full_s
         enough_s = min(stay.needs_s + flyer.robot.battery.reserve_s, full_s or 0.0)
         ready = left_s >= enough_s - TOLD_SHARE * (full_s or 0.0)
-        if stay.left_m is None and ready and clock_s >= stay.leaves_s - self._lead_s:
+        lead_s = max(self._lead_s, flyer.robot.battery.climbing_s)
+        if stay.left_m is None and ready and clock_s >= stay.leaves_s - lead_s:
             stay.left_m = robot.place_m
-            stay.climbs_until_s = now_s + self._lead_s
+            stay.climbs_until_s = now_s + lead_s
             if stay.told_late_s is not None:
                 late_s = now_s - stay.told_late_s
                 self._told.append(

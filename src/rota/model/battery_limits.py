@@ -20,8 +20,9 @@ class BatteryLimits:
 
     A full battery lasts for ``endurance_s`` of driving, or ``standing_endurance_s`` of standing. Charging from empty to
     full takes ``recharge_s``, and less in proportion to what was used. ``reserve_s`` of driving are never used. Each
-    time that a robot leaves a charger, or begins in the air, ``takeoff_s`` are used at once, landing included. One with
-    a ``standing_endurance_s`` of 0 moves wherever it is not on a charger.
+    time that a robot leaves a charger, or begins in the air, ``departure_s`` are used at once, landing included. A stay
+    at a charger begins with ``landing_s`` of landing and ends with ``climbing_s`` of climbing, in which nothing is
+    charged. One with a ``standing_endurance_s`` of 0 moves wherever it is not on a charger.
     """
 
     endurance_s: float | None = field_of(
@@ -39,8 +40,17 @@ class BatteryLimits:
         spared=True,
     )  # fmt: skip
     takeoff_s: float = field_of(
-        0.0, "of driving that each departure from a charger costs, with its climb and its landing",
+        0.0, "of driving that each departure from a charger costs, with its climb and its landing; 0: what standing or"
+        " hovering for climbing_s and landing_s takes",
         title="take-off and landing", least=0, most=LONGEST_S, empty=True, newer=True, spared=True,
+    )  # fmt: skip
+    landing_s: float = field_of(
+        0.0, "that it takes to land, with which each stay at a charger begins: nothing is charged in it",
+        title="landing", least=0, most=LONGEST_S, empty=True, newer=True, spared=True,
+    )  # fmt: skip
+    climbing_s: float = field_of(
+        0.0, "that it takes to take off and climb, with which each stay at a charger ends: nothing is charged in it",
+        title="climbing", least=0, most=LONGEST_S, empty=True, newer=True, spared=True,
     )  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -51,7 +61,17 @@ class BatteryLimits:
     @property
     def usable_s(self) -> float:
         """Seconds of driving between leaving a charger with a full battery and the reserve."""
-        return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s - self.takeoff_s
+        return float("inf") if self.endurance_s is None else self.endurance_s - self.reserve_s - self.departure_s
+
+    @property
+    def departure_s(self) -> float:
+        """Seconds of driving that each departure takes, its landing included: as told, or as hovering meanwhile."""
+        return self.takeoff_s or self.grounding_s * self.standing_uses
+
+    @property
+    def grounding_s(self) -> float:
+        """Seconds of each stay at a charger in which nothing is charged: it lands, and it climbs."""
+        return self.landing_s + self.climbing_s
 
     @property
     def can_stand(self) -> bool:
@@ -83,6 +103,14 @@ def battery_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "reserve_s", f"must be less than endurance_s, {endurance_s:.6g}"
     elif (values["takeoff_s"] or 0) >= endurance_s - reserve_s:
         yield "takeoff_s", f"must be less than what endurance_s leaves beside reserve_s, {endurance_s - reserve_s:.6g}"
+    elif not values["takeoff_s"]:
+        grounding_s = (values["landing_s"] or 0) + (values["climbing_s"] or 0)
+        if (takes_s := grounding_s * (endurance_s / standing_s if standing_s else 1)) >= endurance_s - reserve_s:
+            yield (
+                "landing_s" if values["landing_s"] else "climbing_s",
+                f"must be less: hovering while it climbs and lands takes {takes_s:.6g} s of driving, and endurance_s"
+                f" leaves {endurance_s - reserve_s:.6g} beside reserve_s; or give takeoff_s",
+            )
 
 
 ENDLESS = BatteryLimits()

@@ -210,7 +210,9 @@ class Fleet(Abilities):
         newer=True,
         spared=True,
     )
-    altitude_m: float = field_of(30.0, "for exports", above=0, most=LARGEST_M, written=LENGTH)
+    altitude_m: float = field_of(
+        30.0, "for exports, and for how long copters land and climb", above=0, most=LARGEST_M, written=LENGTH
+    )
     start: StartBox | StartPoints | None = field_of(
         None, "a box or points; null: anywhere", form=Start | None, newer=True
     )

@@ -25,8 +25,8 @@ class Driven:
 
     times_s: (n,) seconds, rising; the last is 0, or when it was lost in a change before. positions_m: (n, 2).
     sensor: what it saw with. accelerations_m_s2, charges: as a ``Trajectory`` has them. battery: 0 to 1, how full its
-    battery was at the first time. Raises PlanError for other shapes, numbers that are not finite, times that do not
-    rise.
+    battery was at the first time. climbed_s: of one that is on a charger at the last time, and leaves soon. Raises
+    PlanError for other shapes, numbers that are not finite, times that do not rise.
     """
 
     robot: str = field_of(key="name", count=((1, None),))
@@ -43,6 +43,10 @@ class Driven:
     )
     charges: tuple[Charge, ...] = field_of((), "stays at chargers", count=((0, None),), newer=True, spared=True)
     battery: float = field_of(1.0, "how full it was at the first time; absent: full", **SHARE)
+    climbed_s: float = field_of(
+        0.0, "for how long it had been climbing off its charger at the last time", least=0, most=LONGEST_S,
+        newer=True, spared=True,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         for name in ("times_s", "positions_m", "accelerations_m_s2"):
@@ -72,7 +76,7 @@ class Driven:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Driven):
             return NotImplemented
-        told = [(one.robot, one.sensor, one.charges, one.battery) for one in (self, other)]
+        told = [(one.robot, one.sensor, one.charges, one.battery, one.climbed_s) for one in (self, other)]
         same = told[0] == told[1] and np.array_equal(self.bends, other.bends)
         return (
             same and np.array_equal(self.times_s, other.times_s) and np.array_equal(self.positions_m, other.positions_m)

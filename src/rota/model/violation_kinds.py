@@ -18,7 +18,7 @@ ViolationKind = Literal[
     "off the lanes", "against a one-way lane", "faster than its lane", "leaves a lane between its ends",
     # batteries
     "battery below its reserve", "takes more than it charges", "charges away from its charger", "charger too full",
-    "battery fuller than what was driven leaves", "stands though it cannot",
+    "battery fuller than what was driven leaves", "stands though it cannot", "leaves before it can land and climb",
     # robots together
     "bodies touch", "clocks may differ",
     # robots that bounce

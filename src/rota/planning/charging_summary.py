@@ -74,4 +74,9 @@ def charging_sentence(plan: Plan) -> str:
     rows = charging_rows(plan)
     away = sum(row.away for row in rows)
     each_hour = sum(3600 * row.flights / row.round_s for row in rows if row.round_s)
-    return f"On average {away:.2f} of them are away from chargers; {each_hour:.1f} flights begin in an hour."
+    told = f"On average {away:.2f} of them are away from chargers; {each_hour:.1f} flights begin in an hour."
+    grounding = {(b.landing_s, b.climbing_s) for b in (plan.mission.fleet.robot(one.robot).battery for one in plan)}
+    if any(map(sum, grounding)):
+        landing_s, climbing_s = map(max, zip(*grounding, strict=True))
+        told += f" Of each stay at a charger {landing_s:.0f} s are for landing and {climbing_s:.0f} s for climbing."
+    return told

@@ -22,7 +22,9 @@ def batteries_of(plan: Plan) -> Batteries:
         again=firsts[:-1] + np.array([way.loop_index for way in plan], np.int64),
         loops_s=np.array([way.loop_duration_s for way in plan], np.float64),
         endurance_s=np.array([robot.battery.endurance_s or math.inf for robot in robots], np.float64),
-        takeoff_s=np.array([robot.battery.takeoff_s for robot in robots], np.float64),
+        takeoff_s=np.array([robot.battery.departure_s for robot in robots], np.float64),
+        landing_s=np.array([robot.battery.landing_s for robot in robots], np.float64),
+        climbing_s=np.array([robot.battery.climbing_s for robot in robots], np.float64),
         reserve_s=np.array([robot.battery.reserve_s for robot in robots], np.float64),
         **joined,
     )

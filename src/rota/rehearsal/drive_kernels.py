@@ -23,7 +23,7 @@ class Batteries(NamedTuple):
     uses: seconds of driving that a second of the leg takes. docks: the charger at which it is spent, -1: none. fills:
     what a second there adds; swaps_s: after how long all is full, inf: never. leaves_s: when it leaves its charger by
     plan. needs_s: what is used from the leg's end, or from leaving its charger, until it charges. endurance_s (inf: no
-    limit), takeoff_s, reserve_s: (k,).
+    limit), takeoff_s, reserve_s: (k,). landing_s, climbing_s: (k,) of its stays nothing is charged in these.
     """
 
     firsts: NDArray[np.int64]
@@ -31,6 +31,8 @@ class Batteries(NamedTuple):
     loops_s: NDArray[np.float64]
     endurance_s: NDArray[np.float64]
     takeoff_s: NDArray[np.float64]
+    landing_s: NDArray[np.float64]
+    climbing_s: NDArray[np.float64]
     reserve_s: NDArray[np.float64]
     begins_s: NDArray[np.float64]
     ends_s: NDArray[np.float64]
@@ -101,7 +103,7 @@ def drive(least_s, chance, batteries, fills, tick_s, first_tick, starts_s, clock
         for r in range(robots):
             own_s = times_s[r, n] + least_s[r, n] * chance.slowness[r, (first_tick + n) // chance.gust]
             if batteries.leaves_s[fills.leg[r]] + fills.turned_s[r] < (n + 2) * tick_s:
-                own_s = max(own_s, _leaves_after(batteries, fills, chance, r, times_s[r, n], goal_s, (n + 1) * tick_s))
+                own_s = max(own_s, _leaves_after(batteries, fills, chance, r, times_s[r, n], goal_s, n, tick_s))
             times_s[r, n + 1] = own_s
             if own_s < chance.fails_s[r]:
                 lost_s = max(lost_s, own_s - goal_s - chance.waits_s[r])
@@ -119,25 +121,28 @@ def drive(least_s, chance, batteries, fills, tick_s, first_tick, starts_s, clock
 
 
 @kernel
-def _leaves_after(batteries, fills, chance, r, now_s, goal_s, then_s):
-    """When a robot that is about to leave its charger has done the last whole tick there: then_s by plan.
+def _leaves_after(batteries, fills, chance, r, now_s, goal_s, n, tick_s):
+    """When a robot that is about to leave its charger has done the last whole tick there, the n-th one.
 
     Its battery holds what the next flight needs and the reserve, or is full. A late relief comes after the clock of
     all.
     """
     leg = fills.leg[r]
-    after_s = batteries.leaves_s[leg] + fills.turned_s[r] - then_s
+    after_s = batteries.leaves_s[leg] + fills.turned_s[r] - (n + 1) * tick_s
     if batteries.docks[leg] < 0 or after_s < 0:
         return 0.0
     stays_s = 0.0
     full_s, level_s = batteries.endurance_s[r], fills.levels_s[r]
+    # of what is left of its stay by plan it climbs in the last part, and lands in the first one
+    grounding_s = min(batteries.climbing_s[r], after_s + tick_s) + max(batteries.landing_s[r] - fills.stood_s[r], 0.0)
     if full_s < math.inf:
         enough_s = min(batteries.needs_s[leg] + batteries.reserve_s[r], full_s) - BATTERY_S
         if level_s < enough_s:
             if batteries.swaps_s[leg] < math.inf:
-                stays_s = batteries.swaps_s[leg] - fills.stood_s[r] - after_s
+                charged_s = max(fills.stood_s[r] - batteries.landing_s[r], 0.0)
+                stays_s = batteries.swaps_s[leg] - charged_s - after_s + grounding_s
             elif batteries.fills[leg] > 0:
-                stays_s = (enough_s - level_s) / batteries.fills[leg] - after_s
+                stays_s = (enough_s - level_s) / batteries.fills[leg] - after_s + grounding_s
     late_s = chance.late_s[r, min(fills.left[r], chance.late_s.shape[1] - 1)]
     return max(now_s + stays_s, goal_s + late_s if late_s > 0 else 0.0)
 
@@ -167,7 +172,8 @@ def _spend(batteries, fills, r, planned_s, tick_s, from_s, until_s):
         if batteries.docks[leg] >= 0:
             if fills.stay[r] < 0:
                 _arrive(fills, r, batteries.docks[leg], begun_s)
-            _charge(batteries, fills, r, leg, lasts_s)
+            climbs_s = to_s - max(at_s, batteries.leaves_s[leg] + fills.turned_s[r] - batteries.climbing_s[r])
+            _charge(batteries, fills, r, leg, lasts_s, max(climbs_s, 0.0))
         else:
             if fills.stay[r] >= 0:
                 fills.stays_s[fills.stay[r], 1] = begun_s
@@ -196,12 +202,15 @@ def _arrive(fills, r, charger, time_s):
 
 
 @kernel
-def _charge(batteries, fills, r, leg, lasts_s):
-    """Let a robot be at its charger for so long."""
+def _charge(batteries, fills, r, leg, lasts_s, climbs_s):
+    """Let a robot be at its charger for so long, of which it climbs for ``climbs_s`` in the end."""
+    lands_s = max(batteries.landing_s[r] - fills.stood_s[r], 0.0)
     fills.stood_s[r] += lasts_s
     full_s = batteries.endurance_s[r]
     if batteries.swaps_s[leg] < math.inf:
-        if fills.stood_s[r] >= batteries.swaps_s[leg] * (1.0 - SAME_TIME):
+        charged_s = fills.stood_s[r] - batteries.landing_s[r] - climbs_s
+        if charged_s >= batteries.swaps_s[leg] * (1.0 - SAME_TIME):
             fills.levels_s[r] = full_s
     elif full_s < math.inf:
-        fills.levels_s[r] = min(full_s, fills.levels_s[r] + batteries.fills[leg] * lasts_s)
+        charged_s = max(lasts_s - lands_s - climbs_s, 0.0)
+        fills.levels_s[r] = min(full_s, fills.levels_s[r] + batteries.fills[leg] * charged_s)

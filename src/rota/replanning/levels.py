@@ -39,6 +39,10 @@ def later_part(plan: Plan, driven: Driven, least_s: float) -> Driven:
 
     first = max(0, int(np.searchsorted(driven.times_s, -least_s, side="right")) - 1)
     full_s = plan.mission.fleet.robot(driven.robot).battery.endurance_s
+    if plan.mission.fleet.robot(driven.robot).battery.landing_s > 0:  # a stay that is told begins with its landing
+        since_s = float(driven.times_s[first])
+        own = [one.from_s for one in driven.charges if one.from_s < since_s < one.until_s]
+        first = int(np.searchsorted(driven.times_s, own[0])) if own else first
     if first == 0 or full_s is None:
         return driven
     since_s = float(driven.times_s[first])

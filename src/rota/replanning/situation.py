@@ -14,6 +14,7 @@ from rota.model.limits import LONGEST_S
 from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot, Sensor
 from rota.model.plan import Driven, Plan, Seam, Trajectory
 from rota.replanning.levels import Level, later_part, levels_of_plan, require_same_batteries
+from rota.routes.charging_legs import charging_legs
 from rota.routes.moments import delay, earlier_by, go_on, join_ways, way_before
 
 Place = tuple[float, float]
@@ -200,6 +201,7 @@ def _seam_of(
         one = way_before(trajectory, sensor, change.at_s, told_s, levels[trajectory.robot](from_s))
         if (was := earlier.pop(trajectory.robot, None)) is not None:
             one = join_ways(later_part(plan, was, told_s), one, told_s)
+        one = replace(one, climbed_s=_climbed_s(plan, trajectory, one, change.at_s))
         moved = trajectory.robot in change.lost and trajectory.robot in change.joined
         driven.append(replace(one, robot=trajectory.robot + BEFORE) if moved else one)
     lost = [name + BEFORE if name in change.joined else name for name in dict.fromkeys(change.lost)]
@@ -211,6 +213,18 @@ def _seam_of(
         driven=(*driven, *gone),
         obstacles=_walls_before(plan.mission, mission),
     )
+
+
+def _climbed_s(plan: Plan, line: Trajectory, driven: Driven, at_s: float) -> float:
+    """For how long a robot has been climbing off its charger at a moment, up to which it was driven."""
+    robot = plan.mission.fleet.robot(line.robot)
+    climbing_s = robot.battery.climbing_s
+    if climbing_s == 0:
+        return 0.0
+    legs = charging_legs(go_on(line, at_s), robot, plan.mission.chargers)
+    if legs.docks[0] >= 0:
+        return max(climbing_s - float(legs.leaves_s[0]), 0.0)
+    return climbing_s if driven.charges and driven.charges[-1].until_s == 0 else 0.0
 
 
 def _driven_earlier(plan: Plan, at_s: float) -> dict[str, Driven]:

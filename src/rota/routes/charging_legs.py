@@ -60,7 +60,7 @@ def charging_legs(way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) 
         uses, fills = np.append(uses, 0.0 if at else stands), np.append(fills, fills[-1] if at else 0.0)
         swaps_s = np.append(swaps_s, swaps_s[-1] if at else np.inf)
         begins_s, ends_s = way.times_s, np.append(ends_s, np.inf)
-    stays_s, needs_s = _ahead(way, ends_s - begins_s, uses, docks, robot.battery.takeoff_s)
+    stays_s, needs_s = _ahead(way, ends_s - begins_s, uses, docks, robot.battery.departure_s)
     return ChargingLegs(begins_s, ends_s, uses, docks, fills, swaps_s, ends_s + stays_s, needs_s)
 
 

@@ -10,10 +10,12 @@ from rota.model.motion_limits import MotionLimits
 from rota.vehicles.facts import Fact, Vehicle
 
 _COPTER_4_6 = "ArduCopter 4.6, default"  # AC_WPNav.cpp, ArduCopter/config.h and ardupilot.org/copter/docs/parameters
+_MEASURED = "flights of ArduPilot's simulated quadcopter near sea level, measured"
 _TWICE = "AC_WPNav.cpp of ArduCopter 4.6: the default, 0, is twice WPNAV_ACCEL"
 _STORAGE = "ArduPilot 4.6, StorageManager.cpp, a Copter's areas on boards with 16 KiB"
 _PX4 = "PX4 Autopilot, multicopter_autonomous_params.c, default"
 _PX4_LIMITS = "PX4 Autopilot, multicopter_position_control_limits_params.c, default"
+_PX4_LAND = "PX4 Autopilot, multicopter_takeoff_land_params.c, default"
 _DJI = "DJI Mobile SDK, DJIWaypoint and DJIWaypointV2"
 
 ARDUCOPTER = Vehicle(
@@ -28,11 +30,14 @@ ARDUCOPTER = Vehicle(
     climb_m_s=Fact(value=2.5, parameter="WPNAV_SPEED_UP", source=_COPTER_4_6),
     descend_m_s=Fact(value=1.5, parameter="WPNAV_SPEED_DN", source=_COPTER_4_6),
     climb_m_s2=Fact(value=1.0, parameter="WPNAV_ACCEL_Z", source=_COPTER_4_6),
+    arms_s=Fact(value=5.0, parameter="arming, and until it has left the ground", source=_MEASURED),
+    land_m_s=Fact(value=0.5, parameter="LAND_SPEED", source=_COPTER_4_6),
+    land_m=Fact(value=10.0, parameter="LAND_ALT_LOW", source=_COPTER_4_6),
     lean_deg=Fact(value=30.0, parameter="ANGLE_MAX", source=_COPTER_4_6),
     top_airspeed_m_s=Fact(
         value=10.0,
         parameter="at ANGLE_MAX",
-        source="flights of ArduPilot's simulated quadcopter near sea level, measured",
+        source=_MEASURED,
     ),
     most_items=Fact(value=650, parameter="(2422 + 2132 + 5204 - 4) bytes / 15", source=_STORAGE),
     most_fence_points=Fact(value=70, parameter="(48 + 256 + 256) bytes / 8", source=_STORAGE),
@@ -73,6 +78,14 @@ PX4 = Vehicle(
     corner_m=Fact(value=2.0, parameter="NAV_ACC_RAD", source="PX4 Autopilot, init.d/rc.mc_defaults"),
     climb_m_s=Fact(value=3.0, parameter="MPC_Z_V_AUTO_UP", source=_PX4),
     descend_m_s=Fact(value=1.5, parameter="MPC_Z_V_AUTO_DN", source=_PX4),
+    # _updateTrajConstraints of FlightTaskAutoLineSmoothVel.cpp, later FlightTaskAuto.cpp
+    climb_slowly_m_s=Fact(value=1.5, parameter="MPC_TKO_SPEED", source=_PX4_LAND),
+    climb_slowly_m=Fact(value=10.0, parameter="MPC_LAND_ALT1", source=_PX4_LAND),
+    ramp_s=Fact(value=3.0, parameter="MPC_TKO_RAMP_T", source=_PX4_LAND),
+    arms_s=Fact(value=5.0, parameter="arming, and until it has left the ground", source="as an ArduCopter"),
+    land_m_s=Fact(value=0.7, parameter="MPC_LAND_SPEED", source=_PX4_LAND),
+    land_m=Fact(value=5.0, parameter="MPC_LAND_ALT2", source=_PX4_LAND),
+    slow_m=Fact(value=10.0, parameter="MPC_LAND_ALT1", source=_PX4_LAND),
 )
 DJI = Vehicle(
     name="dji",

@@ -92,7 +92,11 @@ def test_launches_are_in_time_and_robots_are_charged_for_them(seed: int) -> None
     chance = np.random.default_rng(seed)
     circuits = [circuit(float(chance.uniform(5, 90)), float(chance.choice([20, 30, 40, 60]))) for _ in range(3)]
     recharge_s, takeoff_s = float(chance.choice([50, 200, 400])), 12.0 * (seed % 2)
-    battery = BatteryLimits(endurance_s=200, recharge_s=recharge_s, reserve_s=10, takeoff_s=takeoff_s)
+    landing_s, climbing_s = (5.0, 3.0) if seed % 3 == 2 else (0.0, 0.0)
+    battery = BatteryLimits(
+        endurance_s=200, recharge_s=recharge_s, reserve_s=10, takeoff_s=takeoff_s or 1e-9, landing_s=landing_s,
+        climbing_s=climbing_s,
+    )  # fmt: skip
     rings = fewest_rings(circuits, battery, least=1, most=60, seed=0)
     launched, least_s = follow(rings, circuits, battery)
     assert least_s >= battery.reserve_s - 1e-6
@@ -101,7 +105,8 @@ def test_launches_are_in_time_and_robots_are_charged_for_them(seed: int) -> None
         later = np.array(sorted(t for t in times if lasts_s <= t <= 3 * lasts_s))
         assert np.diff(later).max() <= own.most_s + 1e-6
     # nobody does with fewer than are in the air and charge on average
-    busy = sum((own.used_s + (own.used_s + takeoff_s) * recharge_s / 200) / own.most_s for own in circuits)
+    stays_s = [landing_s + climbing_s + (own.used_s + takeoff_s) * recharge_s / 200 for own in circuits]
+    busy = sum((own.used_s + stay_s) / own.most_s for own, stay_s in zip(circuits, stays_s, strict=True))
     assert busy - 1e-6 <= sum(ring.robots for ring in rings) <= busy + 2
 
 

@@ -51,6 +51,12 @@ def with_battery(mission: Mission, **values: Any) -> Mission:
         ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 250}, None, 5),
         # one round of 36.5 s and a swap, in turns of 50 s
         ({"endurance_s": 500, "takeoff_s": 450}, 100.0, 3),
+        # a round of 36.6 s, its charge of 75.2 s, and for landing and climbing no more than 38.2 s of 3 x 50 s
+        ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 1, "landing_s": 26, "climbing_s": 8}, None, 3),
+        ({"endurance_s": 500, "recharge_s": 1000, "takeoff_s": 1, "landing_s": 26, "climbing_s": 13}, None, 4),
+        # one round and a swap of 13 s in 50 s, or with landing and climbing in 100 s
+        ({"endurance_s": 500, "takeoff_s": 450}, 13.0, 1),
+        ({"endurance_s": 500, "takeoff_s": 450, "landing_s": 26, "climbing_s": 13}, 13.0, 2),
     ],
 )
 def test_one_loop_past_the_charger_takes_one_robot_and_those_that_charge(
@@ -70,6 +76,11 @@ def test_what_a_second_away_takes_on_a_charger_counts_take_offs() -> None:
     assert charging_of(with_battery(CORRIDOR, **battery)).per_s == pytest.approx(1000 / 375)
     swaps = (dataclasses.replace(CORRIDOR.chargers[0], swap_s=75),)
     assert charging_of(dataclasses.replace(with_battery(CORRIDOR, **battery), chargers=swaps)).per_s == 75 / 375
+    # 39 s more of each stay are for landing and climbing; hovering meanwhile takes as much, if nothing else is said
+    grounded = with_battery(CORRIDOR, **battery, landing_s=26, climbing_s=13)
+    assert charging_of(grounded).per_s == pytest.approx((1000 + 39) / 375)
+    hovering = with_battery(CORRIDOR, endurance_s=500, recharge_s=1000, landing_s=26, climbing_s=13)
+    assert charging_of(hovering).per_s == pytest.approx((1000 + 39) / 461)
 
 
 def test_a_robot_that_is_needed_now_and_then_charges_meanwhile() -> None:

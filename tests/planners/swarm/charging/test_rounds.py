@@ -118,6 +118,11 @@ def test_robots_that_take_off_dearly_are_back_sooner() -> None:
     plan = run_mission(mission(1, battery=replace(LASTS, takeoff_s=60)), seed=1).plan
     assert check_plan(plan).verdict == "met"
     assert plan.trajectories[0].loop_duration_s == pytest.approx((160 + 6000 / 340) * 340 / 240, rel=0.01)
+    # and 39 s more for landing and climbing
+    battery = replace(LASTS, takeoff_s=60, landing_s=26, climbing_s=13)
+    lands = run_mission(mission(1, battery=battery), seed=1).plan
+    assert check_plan(lands).verdict == "met"
+    assert lands.trajectories[0].loop_duration_s == pytest.approx((160 + 6000 / 340) * 340 / 240 + 39, rel=0.01)
 
 
 def test_robots_go_to_several_places_where_these_do_not_share_them_evenly() -> None:

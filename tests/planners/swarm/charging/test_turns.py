@@ -37,6 +37,11 @@ def test_what_a_battery_asks() -> None:
     # a round of 750 s: 480 s away and 60 s to take off are used, and half as long it charges
     assert climbs.longest_round_s() == pytest.approx(750)
     assert climbs.charge_s(750) == pytest.approx((480 + 60) / 2) == pytest.approx(climbs.fills_s(480))
+    lands = {"takeoff_s": 60, "landing_s": 26, "climbing_s": 13}
+    grounded = needs_of((robot(endurance_s=600, recharge_s=300, reserve_s=60, **lands),), (pad,))
+    assert grounded.longest_round_s() == pytest.approx(750 + 39)
+    assert grounded.charge_s(789) == pytest.approx((480 + 60) / 2 + 39) == pytest.approx(grounded.fills_s(480))
+    assert needs_of((robot(endurance_s=600, **lands),), (swaps,)).stays_s[0] == 40 + 39
 
 
 def test_one_robot_with_one_pad_flies_until_its_reserve_and_fills_what_it_used() -> None:

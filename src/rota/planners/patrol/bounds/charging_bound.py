@@ -15,7 +15,8 @@ chargers earn nothing, nor do those from which nothing is in range that has a we
 from chargers and have such ground in range. A flight lasts u seconds at most. Its ways out and back take 2 d / v at
 least, d from the nearest charger to where ground comes into range: w = 2 d / (u v). In the long run a battery takes as
 much as it gives: k is the least of recharge over endurance, and of the seconds of a swap over those that a full battery
-can be used. Where each flight costs t beside its seconds, u of driving at most, a second away takes 1 + t / u at least.
+can be used. Where each flight costs t beside its seconds, u of driving at most, a second away takes 1 + t / u at least;
+where each stay begins with a landing and ends with a climb, of g seconds in all, k is g / u more.
 """
 
 from __future__ import annotations
@@ -50,18 +51,19 @@ def charging_of(mission: Mission) -> Charging:
     battery, reach_m = robot.battery, strongest_robot(mission.fleet).sensor.reach_m
     endurance_s = battery.endurance_s or math.inf
     use = min(1.0, battery.standing_uses)  # of the battery, per second
-    taken = 1 + battery.takeoff_s / battery.usable_s  # with take-offs, for each second's use
+    taken = 1 + battery.departure_s / battery.usable_s  # with take-offs, for each second's use
     each = [
         charger.swap_s / battery.usable_s
         if charger.swap_s is not None
         else (battery.recharge_s or 0.0) / endurance_s * taken
         for charger in chargers
     ]
+    grounding = battery.grounding_s / battery.usable_s
     asked = [zone.shape for zone in mission.zones if zone.period_s is not None]
     ground = shapely.union_all([mission.area] if mission.period_s is not None else asked)
     away_m = min(shapely.distance(shapely.Point(charger.at), ground) for charger in chargers)
     ways_s = 2 * max(0.0, away_m - reach_m) / robot.ground_speed_m_s
-    return Charging(per_s=use * min(each), ways=ways_s * use / battery.usable_s)
+    return Charging(per_s=use * (min(each) + grounding), ways=ways_s * use / battery.usable_s)
 
 
 def charging_bound(problem: Problem, mission: Mission) -> ProvedBound:
@@ -74,13 +76,18 @@ def charging_bound(problem: Problem, mission: Mission) -> ProvedBound:
         raise NoPlanFound(
             f"chargers: they have {places} place{'s'[: places > 1]}, but {flying * charging.per_s:.4g} robots must be"
             f" on them on average: {asked_m2_s:.4g} m2/s are asked for, so that {flying:.4g} robots are away from them,"
-            f" and each charges {charging.per_s:.4g} s for a second away; give more places"
+            f" and each {_stays_in_words(mission)} {charging.per_s:.4g} s for a second away; give more places"
         )
     return ProvedBound(
         robots=math.ceil(flying * (1 + charging.per_s) - ROUNDING),
         reason=f"{asked_m2_s:.4g} m2/s are asked for, so that {flying:.4g} robots are away from chargers on average,"
-        f" and each charges {charging.per_s:.4g} s for a second away",
+        f" and each {_stays_in_words(mission)} {charging.per_s:.4g} s for a second away",
     )
+
+
+def _stays_in_words(mission: Mission) -> str:
+    """What robots do at chargers."""
+    return "lands, charges and climbs for" if mission.fleet.battery.grounding_s > 0 else "charges"
 
 
 def _ground_off_chargers(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.model.battery_limits import BatteryLimits
 from rota.planners.patrol.circuits.ground import Circuit
-from rota.planners.patrol.relief.shifts import MOST_JOBS, charging_s
+from rota.planners.patrol.relief.shifts import MOST_JOBS, stays_s
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SHORTEST_S
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,8 @@ def turns_of(circuits: Sequence[Circuit], battery: BatteryLimits) -> list[Turn]:
     most_s = np.array([circuit.most_s for circuit in circuits])
     used_s = np.array([circuit.used_s for circuit in circuits])
     lasts_s = np.array([circuit.line.duration_s for circuit in circuits])
-    busy_s = lasts_s + (charging_s(battery, circuits[0].charger, used_s) if battery.recharge_s is not None else 0.0)
+    charges = battery.recharge_s is not None
+    busy_s = lasts_s + (stays_s(battery, circuits[0].charger, used_s) if charges else battery.grounding_s)
     found = {}
     for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_JOBS + 1)]):
         counts = np.maximum(1, np.ceil(turn_s / most_s * (1 - SAME_ROUND))).astype(np.int64)
@@ -83,7 +84,7 @@ def fewest_rings(
             for number in range(24):  # phases that are tried for these robots and this turn
                 spread = np.arange(len(circuits)) / len(circuits)
                 phases = chance.random(len(circuits)) if number or seed else spread
-                rings = _Queue(circuits, turn, phases, robots).rings(battery)
+                rings = _Queue(circuits, turn, phases, robots, battery).rings()
                 if rings is not None:
                     return rings
     charger = circuits[0].charger
@@ -94,31 +95,33 @@ def _surely_enough(circuits: Sequence[Circuit], battery: BatteryLimits) -> int:
     """Robots that do where those of each circuit charge in full after each flight, and a phase to spare for each."""
     charger, robots = circuits[0].charger, 0
     for circuit in circuits:
-        charges_s = float(charging_s(battery, charger, np.array([circuit.used_s]))[0])
-        robots += math.ceil((circuit.line.duration_s + charges_s) / circuit.most_s) + 1
+        stay_s = float(stays_s(battery, charger, np.array([circuit.used_s]))[0])
+        robots += math.ceil((circuit.line.duration_s + stay_s) / circuit.most_s) + 1
     return robots
 
 
 class _Queue:
-    """The launches of a turn at their times, and who goes next for which."""
+    """The launches of a turn at their times, and who goes next for which; who has landed may climb again at once."""
 
-    def __init__(self, circuits: Sequence[Circuit], turn: Turn, phases: Floats, robots: int) -> None:
-        self._circuits, self._turn_s, self._robots = circuits, turn.lasts_s, robots
+    def __init__(
+        self, circuits: Sequence[Circuit], turn: Turn, phases: Floats, robots: int, battery: BatteryLimits
+    ) -> None:
+        self._circuits, self._turn_s, self._robots, self._battery = circuits, turn.lasts_s, robots, battery
         number = np.repeat(np.arange(len(circuits)), turn.counts)
         each = np.concatenate([np.arange(count) for count in turn.counts])
         begins_s = np.mod((each + phases[number]) * (turn.lasts_s / turn.counts[number]), turn.lasts_s)
         order = np.argsort(begins_s, kind="stable")
         self._number, self._begins_s = number[order], begins_s[order] - begins_s[order][0]
         lasts_s = np.array([circuit.line.duration_s for circuit in circuits])[self._number]
-        self._ends_s = self._begins_s + lasts_s
+        self._ends_s = self._begins_s + lasts_s + battery.grounding_s
 
-    def rings(self, battery: BatteryLimits) -> list[Ring] | None:
+    def rings(self) -> list[Ring] | None:
         """The rings; None where somebody lands too late, or would be driven below the reserve."""
         after = self._with_fewer_rings(self._first_come())
         if after is None:
             return None
         found = [self._ring(own, after) for own in _rings_of(np.mod(after, len(after)))]
-        return found if all(self._keeps_reserve(ring, battery) for ring in found) else None
+        return found if all(self._keeps_reserve(ring) for ring in found) else None
 
     def _first_come(self) -> NDArray[np.int64] | None:
         """Of each launch, the number of the launch that its robot flies next, counted on over turns; None: too late."""
@@ -164,22 +167,23 @@ class _Queue:
             at += int(after[k]) - k
         return Ring(launches=tuple(launches), robots=(at - own[0]) // count, turn_s=self._turn_s)
 
-    def _keeps_reserve(self, ring: Ring, battery: BatteryLimits) -> bool:
+    def _keeps_reserve(self, ring: Ring) -> bool:
         """Whether batteries that are full at first never fall below the reserve."""
+        battery = self._battery
         full_s = battery.endurance_s or math.inf
         level_s, begun_s = full_s, []
         charger = self._circuits[0].charger
-        stays_s = _stays_s(ring, self._circuits)
+        charges_s = [stay_s - battery.grounding_s for stay_s in _stays_s(ring, self._circuits)]
         for _ in range(3):
             begun_s.append(level_s)
-            for launch, stay_s in zip(ring.launches, stays_s, strict=True):
-                level_s -= battery.takeoff_s + self._circuits[launch.circuit].used_s
+            for launch, charge_s in zip(ring.launches, charges_s, strict=True):
+                level_s -= battery.departure_s + self._circuits[launch.circuit].used_s
                 if level_s < battery.reserve_s:
                     return False
                 if charger.swap_s is not None:
-                    level_s = full_s if stay_s >= charger.swap_s * (1 - SAME_ROUND) else level_s
+                    level_s = full_s if charge_s >= charger.swap_s * (1 - SAME_ROUND) else level_s
                 else:
-                    level_s = min(full_s, level_s + stay_s * full_s / (battery.recharge_s or math.inf))
+                    level_s = min(full_s, level_s + charge_s * full_s / (battery.recharge_s or math.inf))
         return begun_s[2] >= begun_s[1] - ROUNDING
 
 

@@ -65,7 +65,7 @@ def require_reach(mission: Mission) -> None:
     """NoPlanFound where no flight lasts from a charger to ground that is asked for and back."""
     if (charging := charging_of(mission)).ways >= 1:
         battery = mission.fleet.battery
-        taken = f" and {battery.takeoff_s:.6g} to take off" if battery.takeoff_s else ""
+        taken = f" and {battery.departure_s:.6g} to take off" if battery.departure_s else ""
         raise NoPlanFound(
             f"fleet.endurance_s: {battery.endurance_s:.6g} less a reserve of {battery.reserve_s:.6g}{taken} is too"
             " short: from a charger to ground that is asked for and back takes at least"

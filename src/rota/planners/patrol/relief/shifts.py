@@ -2,8 +2,9 @@
 
 The robots of a cycle take turns at its slots, and each turn of the cycle lasts ``turn_s``. In a turn a slot is handed
 over once or several times. Its robot drives some rounds, or a part of one, goes to the charger, and leaves the slot
-alone for a while where periods allow that. A robot is busy with a job from its take-off until it is charged. M robots
-go through all jobs of a cycle one after the other, turn_s apart, if all jobs together take M times turn_s at most.
+alone for a while where periods allow that. A robot is busy with a job from leaving the charger until it has landed
+there, is charged and has climbed. M robots go through all jobs of a cycle one after the other, turn_s apart, if all
+jobs together take M times turn_s at most.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class Shift:
     """How a slot is served in each turn of its cycle: by ``jobs`` one after the other, of ``rounds`` each.
 
     rounds: 1 / m for the m-th part of one. round_s: what a round takes without pauses. way_s: to the charger from where
-    robots change. busy_s: a job, from take-off until the robot is charged. most_way_s: as long as its battery allows.
+    robots change. busy_s: a job, until the robot may begin another. most_way_s: as long as its battery allows.
     """
 
     slot: int
@@ -87,11 +88,15 @@ class _Way(NamedTuple):
         return self._replace(rounds=self.rounds[turns], round_s=self.round_s[turns], busy_s=self.busy_s[turns])
 
 
-def charging_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats:
-    """How long robots charge after flights (n,) of so many seconds of driving, for what taking off took as well."""
+def stays_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats:
+    """How long robots stay at a charger after flights (n,) of so many seconds of driving: they land, charge and climb.
+
+    They charge for what taking off took as well.
+    """
     if charger.swap_s is not None:
-        return np.full(len(flown_s), charger.swap_s)
-    return (flown_s + battery.takeoff_s) * ((battery.recharge_s or 0.0) / (battery.endurance_s or math.inf))
+        return np.full(len(flown_s), charger.swap_s + battery.grounding_s)
+    charges_s = (flown_s + battery.departure_s) * ((battery.recharge_s or 0.0) / (battery.endurance_s or math.inf))
+    return charges_s + battery.grounding_s
 
 
 def best_cycle(
@@ -168,7 +173,7 @@ def ways_to_serve(
     for jobs, rounds, round_s, way_s, possible in tried:
         flown_s, used_s = rounds * round_s + 2 * way_s, rounds * round_s * uses + 2 * way_s
         possible = possible & (used_s <= battery.usable_s * (1 + SAME_ROUND))
-        busy_s = np.where(possible, jobs * (flown_s + charging_s(battery, own.charger, used_s)), np.inf)
+        busy_s = np.where(possible, jobs * (flown_s + stays_s(battery, own.charger, used_s)), np.inf)
         way = _Way(jobs, np.broadcast_to(rounds, turns_s.shape).astype(float), round_s, way_s, busy_s)
         known = best.setdefault((jobs, way_s), way)
         better = busy_s < known.busy_s * (1 - SAME_ROUND)

@@ -3,7 +3,8 @@
 Robots leave one after the other, every s seconds, and take the places at chargers in turn. With n robots a round takes
 T = n s, after which the first one leaves again. A robot charges for r T of it where its battery fills as it drives:
 r = R / (E + R), with the endurance E and R from empty to full, and for w = R t / (E + R) more where taking off takes t
-of E. Where batteries are swapped it stays for a time w. A battery that may use U in a flight lasts from one charge to
+of E. Where it lands and climbs for g of its stay, w is g E / (E + R) more. Where batteries are swapped it stays for a
+time w. A battery that may use U in a flight lasts from one charge to
 the next where T - (r T + w) <= U, so T <= (U + w) / (1 - r). A place is
 taken again after p s where p places are in use: they suffice where p s is no less than the charge and what lies between
 two robots at one place. All repeats after the least common multiple of n and p turns.
@@ -67,13 +68,13 @@ def needs_of(robots: tuple[Robot, ...], chargers: tuple[Charger, ...]) -> Needs:
         uses = max(1.0, battery.standing_uses)
         fills_s = uses * (battery.recharge_s or 0.0)
         swaps = [
-            charger.swap_s or fills_s * (battery.usable_s + battery.takeoff_s) / endurance_s for charger in chargers
+            charger.swap_s or fills_s * (battery.usable_s + battery.departure_s) / endurance_s for charger in chargers
         ]
-        takes_off_s = (battery.recharge_s or 0.0) * battery.takeoff_s / (endurance_s + fills_s)
+        takes_off_s = (battery.recharge_s or 0.0) * battery.departure_s + battery.grounding_s * endurance_s
         alike = all(charger.swap_s is None for charger in chargers)
         usable.append(battery.usable_s / uses)
         share.append(fills_s / (endurance_s + fills_s) if alike else 0.0)
-        stays.append(takes_off_s if alike else max(swaps))
+        stays.append(takes_off_s / (endurance_s + fills_s) if alike else max(swaps) + battery.grounding_s)
     return Needs(usable_s=np.array(usable), share=np.array(share), stays_s=np.array(stays))
 
 

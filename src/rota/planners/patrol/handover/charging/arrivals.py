@@ -29,7 +29,8 @@ class Flyer:
     """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none.
 
     lands: the rest of its flight, as it drives it whatever follows, of a robot that cannot turn or change its speed at
-    once; the place, the level and the charger are those at its end. None: it can go anywhere at once.
+    once; the place, the level and the charger are those at its end. None: it can go anywhere at once. lands_s,
+    climbs_s: how long it has still to land on the charger on which it is, and to climb before it can leave that.
     """
 
     robot: Robot
@@ -37,9 +38,11 @@ class Flyer:
     level_s: float
     charger: Charger | None
     lands: TimedLine | None = None
+    lands_s: float = 0.0
+    climbs_s: float = 0.0
 
     def level_after_s(self, level_s: Floats | float, stays_s: Floats, charger: Charger) -> Floats:
-        """The level after stays of so many seconds at a charger; nan for a stay of less than none."""
+        """The level after so many seconds of charging at a charger; nan for less than none."""
         full_s = self.robot.battery.endurance_s or math.inf
         if charger.swap_s is not None:
             after_s = np.where(stays_s > charger.swap_s, full_s, level_s)
@@ -68,14 +71,17 @@ class Needs:
 
     def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
         self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
-        takeoff_s = robot.battery.takeoff_s
+        self._lands_s, self._climbs_s = robot.battery.landing_s, robot.battery.climbing_s
+        takeoff_s = robot.battery.departure_s
         self.docked = self._legs.docks >= 0
         count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
         if way.loop_duration_s > 0:
             for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
                 begins_s = self._legs.begins_s[leg : leg + 1]
                 leaves = self.docked[leg - 1] and not self.docked[leg]
-                self._after_s[leg - 1] = self._at(np.array([leg]), begins_s)[0] + takeoff_s * leaves
+                comes = not self.docked[leg - 1] and self.docked[leg]
+                needs_s = self._at(np.array([leg]), begins_s, self._lands_s * comes)[0]
+                self._after_s[leg - 1] = needs_s + takeoff_s * leaves
 
     def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
         """The leg of the round at each of its moments (k,)."""
@@ -86,16 +92,25 @@ class Needs:
         """The charger, by its number, at which the round is at each of its moments (k,); -1: at none."""
         return self._legs.docks[self.leg_at(phases_s)]
 
-    def at(self, phases_s: Floats) -> Floats:
-        """The least level (k,) at moments of the round with which a robot can go on for ever."""
-        return self._at(self.leg_at(phases_s), phases_s)
+    def at(self, phases_s: Floats, *, lands: NDArray[np.bool_]) -> Floats:
+        """The least level (k,) at moments of the round with which a robot can go on for ever; inf: it cannot climb.
 
-    def _at(self, leg: NDArray[np.int64], phases_s: Floats) -> Floats:
-        """The same at moments within these legs."""
+        lands: (k,) where the round is on a charger, whether the robot comes in flight and has to land first.
+        """
+        leg = self.leg_at(phases_s)
+        lands_s = np.where(lands & self.docked[leg], self._lands_s, 0.0)
+        is_late = self.docked[leg] & (self._legs.leaves_s[leg] - phases_s - lands_s < self._climbs_s)
+        return np.where(is_late, np.inf, self._at(leg, phases_s, lands_s))
+
+    def _at(self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float) -> Floats:
+        """The same at moments within these legs; lands_s: for how long nothing is charged from then on."""
         legs, after_s = self._legs, self._after_s[leg]
-        rest_s = np.where(np.isfinite(legs.ends_s[leg]), legs.ends_s[leg] - phases_s, 0.0)
+        ends_s = np.where(self.docked[leg], np.minimum(legs.ends_s[leg], legs.leaves_s[leg] - self._climbs_s),
+                          legs.ends_s[leg])  # fmt: skip
+        rest_s = np.where(np.isfinite(ends_s), ends_s - phases_s, 0.0)
+        rest_s = np.where(self.docked[leg], np.maximum(rest_s - lands_s, 0.0), rest_s)
         needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
-        swapped = legs.leaves_s[leg] - phases_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
+        swapped = legs.leaves_s[leg] - phases_s - lands_s - self._climbs_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
         return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
 
 
@@ -174,8 +189,8 @@ class Arrivals:
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
-        needs_s, best = self._needs.at(phases_s) + SHORTEST_S, Arrival()
-        docked, takeoff_s = self._needs.docked[self._needs.leg_at(phases_s)], one.robot.battery.takeoff_s
+        best, battery = Arrival(), one.robot.battery
+        docked, takeoff_s = self._needs.docked[self._needs.leg_at(phases_s)], battery.departure_s
         for via in (None, *self._chargers):
             if via is not None and one.charger is via:
                 continue
@@ -183,14 +198,18 @@ class Arrivals:
             way_s = travel_s[k] if via is None else travel_s[count + self._chargers.index(via)]
             stays_s, charger = moments_s - way_s - to_s, one.charger if via is None else via
             stays_s = np.where(np.abs(stays_s) <= SHORTEST_S, 0.0, stays_s)
+            leaves = ~docked | (way_s > SHORTEST_S) if charger is not None else np.ones(len(stays_s), np.bool_)
+            needs_s = self._needs.at(phases_s, lands=leaves) + SHORTEST_S
             there_s = one.level_s - to_s - takeoff_s * (via is not None and one.charger is not None)
             if charger is None:
-                left_s = np.where(stays_s >= 0, there_s - one.robot.battery.standing_uses * stays_s, np.nan)
-            elif there_s < one.robot.battery.reserve_s + SHORTEST_S * (to_s > 0):
+                left_s = np.where(stays_s >= 0, there_s - battery.standing_uses * stays_s, np.nan)
+            elif there_s < battery.reserve_s + SHORTEST_S * (to_s > 0):
                 continue
             else:  # who has no way to a round that is docked stays where it is
-                leaves = ~docked | (way_s > SHORTEST_S)
-                left_s = one.level_after_s(there_s, stays_s, charger) - takeoff_s * leaves
+                lands_s = one.lands_s if via is None else battery.landing_s
+                climbs_s = one.climbs_s if via is None else battery.climbing_s
+                charges_s = np.where(stays_s >= 0, stays_s - lands_s - climbs_s * leaves, np.nan)
+                left_s = one.level_after_s(there_s, charges_s, charger) - takeoff_s * leaves
             is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - SHORTEST_S, needs_s)
             if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
                 served_s = self._service_s(np.array([now_s, now_s + moments_s[first]]))
@@ -208,8 +227,9 @@ class Arrivals:
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
         here = self._needs.docks_at(phases_s) == self._chargers.index(one.charger)
-        left_s = one.level_after_s(one.level_s, moments_s - free_s, one.charger)
-        is_enough = here & (left_s >= self._needs.at(phases_s))
+        lands_s = one.lands_s if free_s == 0 else one.robot.battery.landing_s
+        left_s = one.level_after_s(one.level_s, moments_s - free_s - lands_s, one.charger)
+        is_enough = here & (left_s >= self._needs.at(phases_s, lands=np.zeros(len(phases_s), np.bool_)))
         if not is_enough.any():
             return Arrival()
         first = int(np.argmax(is_enough))

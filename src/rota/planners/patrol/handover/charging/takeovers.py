@@ -61,9 +61,10 @@ class _Takeover:
 
     def _flyer(self, robot: Robot) -> Flyer:
         """A robot as it is now, or where its flight ends if it cannot leave that at once."""
+        lands_s, climbs_s = self._still_s(robot)
         now = Flyer(
             robot=robot, place_m=np.array(self._asked.places[robot.name]), level_s=self._level_s(robot),
-            charger=self._charger_of(robot.name),
+            charger=self._charger_of(robot.name), lands_s=lands_s, climbs_s=climbs_s,
         )  # fmt: skip
         if robot.turns_at_once:
             return now
@@ -99,7 +100,17 @@ class _Takeover:
         """What a robot has left; one that is new and on no charger has taken off."""
         level_s = self._asked.batteries[robot.name] * (robot.battery.endurance_s or np.inf)
         takes_off = robot.name not in self._asked.going_on and self._charger_of(robot.name) is None
-        return level_s - robot.battery.takeoff_s * takes_off
+        return level_s - robot.battery.departure_s * takes_off
+
+    def _still_s(self, robot: Robot) -> tuple[float, float]:
+        """How long a robot on a charger has still to land there, and to climb before it can leave."""
+        battery = robot.battery
+        for driven in self._asked.seam.driven if self._asked.seam is not None else ():
+            if driven.robot == robot.name and driven.charges and driven.charges[-1].until_s == 0:
+                came_s = driven.charges[-1].from_s
+                lands_s = battery.landing_s + came_s if came_s > driven.times_s[0] else 0.0
+                return max(lands_s, 0.0), battery.climbing_s - driven.climbed_s
+        return 0.0, battery.climbing_s
 
     def _charger_of(self, name: str) -> Charger | None:
         """The charger that a robot is on; of a new one that at which it stands."""

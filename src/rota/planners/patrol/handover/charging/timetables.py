@@ -36,13 +36,14 @@ FAR = 1e9  # seconds: what a flight from another charger, or a round that a robo
 class RegularFlight:
     """A flight that begins again after every turn, at ``begins_s`` of it.
 
-    line: from time 0 on, from ``charger`` and back to it. charges_s: how long its robot then charges for what it took.
+    line: from time 0 on, from ``charger`` and back to it. stays_s: how long its robot then lands, charges for what it
+    took, and climbs.
     """
 
     line: TimedLine
     charger: str
     begins_s: float
-    charges_s: float
+    stays_s: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +62,7 @@ class Timetable:
     @property
     def busy_s(self) -> float:
         """How long all its flights of a turn keep robots busy, which charge between them."""
-        return sum(flight.line.duration_s + flight.charges_s for flight in self.flights)
+        return sum(flight.line.duration_s + flight.stays_s for flight in self.flights)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,26 +143,27 @@ def _regular_flights(line: Trajectory, robot: Robot, chargers: Sequence[Charger]
         if (changes := flight.accelerations_m_s2) is not None:
             own = own._replace(accelerations_m_s2=changes)
         begins_s = flight.starts_s % line.loop_duration_s
-        charges_s = charge_s(own, robot, charger)
-        flights.append(RegularFlight(line=own, charger=flight.charger, begins_s=begins_s, charges_s=charges_s))
+        stays_s = stay_s(own, robot, charger)
+        flights.append(RegularFlight(line=own, charger=flight.charger, begins_s=begins_s, stays_s=stays_s))
     return flights
 
 
-def charge_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
-    """How long a robot charges for what a flight took of its battery."""
+def stay_s(line: TimedLine, robot: Robot, charger: Charger) -> float:
+    """How long a robot lands, charges for what a flight took of its battery, and climbs."""
     if charger.swap_s is not None:
-        return charger.swap_s
+        return charger.swap_s + robot.battery.grounding_s
     way = Trajectory(robot=robot.name, times_s=line.times_s, positions_m=line.places_m, loop_start_s=line.duration_s)
     used = charging_legs(way, robot, (charger,)).uses[: len(line.times_s) - 1]
-    took_s = robot.battery.takeoff_s + float((used * np.diff(line.times_s)).sum())
-    return took_s * (robot.battery.recharge_s or 0.0) / (robot.battery.endurance_s or math.inf)
+    took_s = robot.battery.departure_s + float((used * np.diff(line.times_s)).sum())
+    charges_s = took_s * (robot.battery.recharge_s or 0.0) / (robot.battery.endurance_s or math.inf)
+    return charges_s + robot.battery.grounding_s
 
 
 def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]]:
     """Rounds of flights, each with how long its robot is on the charger after it, that the fewest robots fly."""
     flights, turn_s = timetable.flights, timetable.turn_s
     begins_s = np.array([flight.begins_s for flight in flights])
-    ready_s = np.array([flight.begins_s + flight.line.duration_s + flight.charges_s for flight in flights])
+    ready_s = np.array([flight.begins_s + flight.line.duration_s + flight.stays_s for flight in flights])
     waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
     waits_s[waits_s > turn_s - MISSED_S] = 0.0
     same = np.array([[one.charger == other.charger for other in flights] for one in flights])
@@ -172,7 +174,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
         own = []
         while k in left:
             left.remove(k)
-            own.append((flights[k], flights[k].charges_s + float(waits_s[k, after[k]])))
+            own.append((flights[k], flights[k].stays_s + float(waits_s[k, after[k]])))
             k = int(after[k])
         rounds.append(own)
     return rounds
