@@ -35,7 +35,7 @@ def _shared_gap(times, members, parts, unit_s, common):
     for m in members:
         count += (bounds[m + 1] - bounds[m]) * (common // parts[robots[m]])
     begin, finish = np.empty(count), np.empty(count)
-    n = 0
+    n, covered = 0, -np.inf
     for m in members:
         part = parts[robots[m]]
         for i in range(bounds[m], bounds[m + 1]):
@@ -43,9 +43,10 @@ def _shared_gap(times, members, parts, unit_s, common):
             for k in range(common // part):
                 begin[n] = first + k * part * unit_s
                 finish[n] = begin[n] + (ends[i] - starts[i])
+                covered = max(covered, finish[n])
                 n += 1
     order = np.argsort(begin)
-    covered = finish.max() - common * unit_s
+    covered -= common * unit_s
     worst, when = 0.0, 0.0
     for i in order:
         if begin[i] - covered > worst:

@@ -13,6 +13,7 @@ import numpy as np
 
 from rota.check.arrays import Parts, SeenTimes, Views
 from rota.check.gap_kernels import team_gap
+from rota.check.piece_kernels import middle_of, with_room
 from rota.check.shadow_kernels import blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, half_width, in_cell
 from rota.check.timing_kernels import time_along
@@ -33,7 +34,7 @@ def shrunk(corners, start, stop, slack_m):
     if stop - start < 3:
         return piece
     factor = 1.0 - min(0.5, slack_m / max(half_width(corners, start, stop), slack_m))
-    cx, cy = piece[:, 0].mean(), piece[:, 1].mean()
+    cx, cy = middle_of(piece)
     for i in range(len(piece)):
         piece[i, 0] = cx + factor * (piece[i, 0] - cx)
         piece[i, 1] = cy + factor * (piece[i, 1] - cy)
@@ -177,8 +178,7 @@ def views_of(turn, piece, cell, ways, walls, slack_m, views):
         if kept == 0:
             continue
         if n + kept > len(shares.starts):
-            more = np.empty(n + kept)
-            shares = Parts(np.append(shares.starts, more), np.append(shares.ends, more))
+            shares = Parts(with_room(shares.starts, n + kept), with_room(shares.ends, n + kept))
         seen_in[w], firsts[w], counts[w] = turn, n, kept
         for p in range(kept):
             shares.starts[n], shares.ends[n] = one.starts[p], one.ends[p]
@@ -213,7 +213,7 @@ def times_of_sights(turn, cell, legs, views, times):
             robots[n_robots], bounds[n_robots] = robot, n
             n_robots += 1
         if n + kept > len(starts):
-            starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
+            starts, ends = with_room(starts, n + kept), with_room(ends, n + kept)
         for p in range(first, first + kept):
             start, end = time_along(t0, t1, bend, parts.starts[p]), time_along(t0, t1, bend, parts.ends[p])
             if n > bounds[n_robots - 1] and start <= ends[n - 1]:
@@ -253,7 +253,8 @@ def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     times, views = first_room(len(team.reaches_m)), first_views(len(legs.ways.reaches_m))
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
-        cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
+        x, y = middle_of(piece)
+        cell = cell_of(x, y, grid)
         views = views_of(np.int64(k), piece, cell, legs.ways, walls, slack_m, views)
         times, n, firsts[k], always = times_of_sights(np.int64(k), cell, legs, views, times)
         if always:

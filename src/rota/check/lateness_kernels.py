@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from rota.check.kernels import first_room, first_views, nothing_seen, shrunk, times_of_sights, views_of
+from rota.check.piece_kernels import middle_of
 from rota.check.tiling_kernels import cell_of
 from rota.compiled.kernel import kernel
 
@@ -52,7 +53,7 @@ def late_gaps(offsets, corners, periods_s, slack_m, scene, old, moments):
     olds, old_views = first_room(len(old.team.reaches_m)), first_views(len(old.legs.ways.reaches_m))
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
-        x, y = piece[:, 0].mean(), piece[:, 1].mean()
+        x, y = middle_of(piece)
         cell = cell_of(x, y, scene.grid)
         views = views_of(np.int64(k), piece, cell, scene.legs.ways, scene.walls, slack_m, views)
         times, n, firsts[k], _always = times_of_sights(np.int64(k), cell, scene.legs, views, times)

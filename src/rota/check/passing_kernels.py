@@ -29,6 +29,7 @@ from rota.check.kernels import (
     room_for_parts,
     shrunk,
 )
+from rota.check.piece_kernels import middle_of
 from rota.check.shadow_kernels import CUTS, blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.tolerances import SAME_CORNER_M, SAME_TIME
@@ -149,10 +150,10 @@ def _sees_round(stretch, piece, middle, walls, shadows, slack_m):
             continue
         kind, x, y = _end_of_hidden(walls.segments_m[shadows.walls[w]], piece, slack_m, view)
         if kind == 1:
-            before[n_before] = (x, y)
+            before[n_before, 0], before[n_before, 1] = x, y
             n_before += 1
         elif kind == -1:
-            behind[n_behind] = (x, y)
+            behind[n_behind, 0], behind[n_behind, 1] = x, y
             n_behind += 1
         elif stop <= place:
             lo = stop
@@ -160,7 +161,8 @@ def _sees_round(stretch, piece, middle, walls, shadows, slack_m):
             hi = start
         else:
             return False
-    before[0], behind[0] = (leg[0] + lo * dx, leg[1] + lo * dy), (leg[0] + hi * dx, leg[1] + hi * dy)
+    before[0, 0], before[0, 1] = leg[0] + lo * dx, leg[1] + lo * dy
+    behind[0, 0], behind[0, 1] = leg[0] + hi * dx, leg[1] + hi * dy
     return _in_order(piece, turn, before[:n_before], behind[:n_behind])
 
 
@@ -208,15 +210,14 @@ def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     n_pieces = len(offsets) - 1
     gaps, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.inf)
     parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
-    widest = team.reaches_m.max() if len(team.reaches_m) else 0.0
     ways, passed_in = legs.ways, np.full(len(legs.ways.reaches_m), -1, np.int64)
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         middle = np.empty((1, 2))
-        middle[0, 0], middle[0, 1] = piece[:, 0].mean(), piece[:, 1].mean()
+        middle[0, 0], middle[0, 1] = middle_of(piece)
         cell = cell_of(middle[0, 0], middle[0, 1], grid)
-        of_piece = shadows_of(piece, walls, cell, slack_m, widest)
-        of_middle = shadows_of(middle, walls, cell, slack_m, widest)
+        of_piece = shadows_of(piece, walls, cell, slack_m, ways.widest_m)
+        of_middle = shadows_of(middle, walls, cell, slack_m, ways.widest_m)
         if of_piece.number < 0 or of_middle.number < 0:
             continue
         parts = room_for_parts(parts, of_middle)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from rota.check.arrays import Shadows
+from rota.check.piece_kernels import box_of
 from rota.check.tiling_kernels import in_cell
 from rota.check.tolerances import CONE_M, GRID_MARGIN_M
 from rota.compiled.kernel import allocation_free, kernel
@@ -85,7 +86,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
 
     "Nearest" is by rings: it decides nothing but how soon a leg that is hidden is known to be. None is worked out yet.
     """
-    x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
+    x0, x1, y0, y1 = box_of(piece)
     near = in_cell(walls, cell)
     ring, first = np.empty(len(near), np.int64), np.zeros(RINGS + 1, np.int64)
     sides = np.empty((len(near), 9))
@@ -114,7 +115,8 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
         wall, at = walls.segments_m[near[i]], first[ring[i]]
         first[ring[i]] += 1
         index[at] = near[i]
-        ends[at] = wall
+        for side in range(4):
+            ends[at, side] = wall[side]
         boxes[at, 0], boxes[at, 1] = min(wall[0], wall[2]), min(wall[1], wall[3])
         boxes[at, 2], boxes[at, 3] = max(wall[0], wall[2]), max(wall[1], wall[3])
     return Shadows(sides, boxes, ends, index, np.zeros(n, np.int64), n, np.array([x0, y0, x1, y1]))

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from rota.check.arrays import Binned
+from rota.check.piece_kernels import box_of, middle_of
 from rota.check.tolerances import STILL_M
 from rota.compiled.kernel import allocation_free, kernel
 
@@ -141,7 +142,7 @@ def swath_cuts(offsets, corners, grid, ways, margin_m):
     cuts = np.full((len(offsets) - 1, 3), np.nan)
     for k in range(len(cuts)):
         piece = corners[offsets[k] : offsets[k + 1]]
-        mx, my = piece[:, 0].mean(), piece[:, 1].mean()
+        mx, my = middle_of(piece)
         best = math.inf
         for w in in_cell(ways.near, cell_of(mx, my, grid)):
             leg = ways.near.segments_m[w]
@@ -192,8 +193,7 @@ def halve(offsets, corners, cuts, narrowest_m):
         a, b = offsets[k], offsets[k + 1]
         nx, ny, c = cuts[k, 0], cuts[k, 1], cuts[k, 2]
         if math.isnan(c):
-            x0, x1 = corners[a:b, 0].min(), corners[a:b, 0].max()
-            y0, y1 = corners[a:b, 1].min(), corners[a:b, 1].max()
+            x0, x1, y0, y1 = box_of(corners[a:b])
             wide = x1 - x0 >= y1 - y0
             nx, ny = (1.0, 0.0) if wide else (0.0, 1.0)
             c = 0.5 * (x0 + x1) if wide else 0.5 * (y0 + y1)
@@ -225,7 +225,7 @@ def half_width(corners, start, stop):
     """Distance in metres from the mean of corners[start:stop] to the nearest side; 0 for less than a triangle."""
     if stop - start < 3:
         return 0.0
-    cx, cy = corners[start:stop, 0].mean(), corners[start:stop, 1].mean()
+    cx, cy = middle_of(corners[start:stop])
     nearest = math.inf
     for i in range(start, stop):
         j = i + 1 if i + 1 < stop else start

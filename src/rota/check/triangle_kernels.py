@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from rota.check.arrays import WALL
+from rota.check.piece_kernels import middle_of
 from rota.check.tiling_kernels import cell_of
 from rota.check.tolerances import NO_WAY_THROUGH_M
 from rota.compiled.kernel import allocation_free, kernel
@@ -230,7 +231,8 @@ def _looks_out(ground, t, k, source, around, square, room, views):
     while count > 0:
         count -= 1
         steps += 1
-        view[:] = views[count]
+        for i in range(8):
+            view[i] = views[count, i]
         count = _goes_on(ground, room[count, 0], room[count, 1], view, around, square, (room, views), count)
         if count < 0 or steps > MOST_STEPS * len(ground.triangles):
             return True
@@ -242,12 +244,13 @@ def _sources_of(piece, sources):
     """Fill sources (n, 4) with segments that every line through a convex piece (c, 2) crosses; how many they are."""
     c = len(piece)
     if c == 4:
-        for i in range(2):
-            sources[i, :2], sources[i, 2:] = piece[i], piece[i + 2]
-        return 2
-    for i in range(max(1, c - 1)):
-        sources[i, :2], sources[i, 2:] = piece[i], piece[(i + 1) % c]
-    return max(1, c - 1)
+        count, step = 2, 2
+    else:
+        count, step = max(1, c - 1), 1
+    for i in range(count):
+        for axis in range(2):
+            sources[i, axis], sources[i, 2 + axis] = piece[i, axis], piece[(i + step) % c, axis]
+    return count
 
 
 @kernel
@@ -257,7 +260,7 @@ def _sees_any(ground, piece, reach_m, square, slack_m, under, room, views):
     Bodies that touch the piece, or whose ground it reaches into, see it. The rest is seen along lines that leave the
     triangles under it by their sides: who looks along such a line crosses a source of the piece.
     """
-    x, y = piece[:, 0].mean(), piece[:, 1].mean()
+    x, y = middle_of(piece)
     middle = _triangle_at(ground, x, y)
     if middle < 0:
         return True

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from rota.check.kernels import first_room, first_views, nothing_seen, shrunk, times_of_sights, views_of
+from rota.check.piece_kernels import middle_of
 from rota.check.tiling_kernels import cell_of
 from rota.compiled.kernel import kernel
 
@@ -45,7 +46,8 @@ def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
     times, views = first_room(len(team.reaches_m)), first_views(len(legs.ways.reaches_m))
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
-        cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
+        x, y = middle_of(piece)
+        cell = cell_of(x, y, grid)
         views = views_of(np.int64(k), piece, cell, legs.ways, walls, slack_m, views)
         times, n, firsts[k], _always = times_of_sights(np.int64(k), cell, legs, views, times)
         if n:

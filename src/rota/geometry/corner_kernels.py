@@ -138,10 +138,10 @@ def _may_bend(px, py, sides, may):
 @kernel
 def _sides_of(corners):
     """(6, c) x and y of the corners (c, 6), of the way to the border corner before, and of that to the one after."""
-    sides = np.ascontiguousarray(corners.T)
-    for axis in range(2):
-        sides[2 + axis] -= sides[axis]
-        sides[4 + axis] -= sides[axis]
+    sides = np.empty((6, len(corners)))
+    for k in range(len(corners)):
+        for side in range(6):
+            sides[side, k] = corners[k, side] - (corners[k, side % 2] if side > 1 else 0.0)
     return sides
 
 

@@ -33,6 +33,19 @@ class Orders(NamedTuple):
 
 
 @allocation_free
+def write_orders(orders: Any, onto: Any) -> int:
+    """Write the orders into others of the same shape; the most tasks that a robot has."""
+    longest = 0
+    for robot in range(orders.count.shape[0]):
+        count = orders.count[robot]
+        onto.count[robot], longest = count, max(longest, count)
+        for i in range(count):
+            onto.task[robot, i] = orders.task[robot, i]
+            onto.xy_m[robot, i, 0], onto.xy_m[robot, i, 1] = orders.xy_m[robot, i, 0], orders.xy_m[robot, i, 1]
+    return longest
+
+
+@allocation_free
 def insert(orders: Any, robot: int, task: int, at: int, order: Any, xy: Any, tasks: Any) -> int:
     """Write the robot's tasks with one more at a place in their order into order (m,) and xy (m, 2); how many."""
     count = orders.count[robot]
@@ -163,7 +176,8 @@ def lay_out_ways(orders: Any, task: int, order: Any, xy: Any, ways: Any, tasks: 
                 length -= math.hypot(before[i + 1, 0] - before[i, 0], before[i + 1, 1] - before[i, 1])
             k = count
             while k > 0 and cost[k - 1] > length:
-                cost[k], ways[k] = cost[k - 1], ways[k - 1]
+                cost[k] = cost[k - 1]
+                ways[k, 0], ways[k, 1], ways[k, 2] = ways[k - 1, 0], ways[k - 1, 1], ways[k - 1, 2]
                 k -= 1
             cost[k], ways[k, 0], ways[k, 1], ways[k, 2] = length, robot, at, task
             count += 1
@@ -177,7 +191,9 @@ def branch(orders: Any, begin_with: int, tasks: Any, missed: Any, ways: Any) -> 
     The tasks from ``begin_with`` on come first, whether they are missed or not.
     """
     order, xy, some = np.zeros(LONGEST, np.int64), np.zeros((LONGEST, 2)), np.zeros(ways.shape, np.int64)
-    done = orders.count.sum()
+    done = 0
+    for robot in range(orders.count.shape[0]):
+        done += orders.count[robot]
     if begin_with + done < missed.shape[0]:
         return int(lay_out_ways(orders, begin_with + done, order, xy, ways, tasks))
     weigh_tasks(orders, tasks, missed)
@@ -189,13 +205,15 @@ def branch(orders: Any, begin_with: int, tasks: Any, missed: Any, ways: Any) -> 
         here = tasks.place[task]
         for other in range(missed.shape[0]):  # others near it, to be done at the same time, would tell the same
             there = tasks.place[other]
-            x, y = tasks.centre_m[here] - tasks.centre_m[there]
+            x = tasks.centre_m[here, 0] - tasks.centre_m[there, 0]
+            y = tasks.centre_m[here, 1] - tasks.centre_m[there, 1]
             if tasks.opens_m[other] == tasks.opens_m[task] and math.hypot(x, y) < 0.7 * tasks.radius_m[here]:
                 missed[other] = 0.0
         count = lay_out_ways(orders, task, order, xy, some, tasks)
         if fewest < 0 or count < fewest:
             fewest = count
-            ways[:count] = some[:count]
+            for k in range(count):
+                ways[k, 0], ways[k, 1], ways[k, 2] = some[k, 0], some[k, 1], some[k, 2]
         if count < 2:
             break
     return fewest
@@ -212,11 +230,13 @@ def search_orders(robots: int, begin_with: int, tasks: Any, most_states: int) ->
     order, xy = np.zeros((DEEPEST, robots, LONGEST), np.int64), np.zeros((DEEPEST, robots, LONGEST, 2))
     ways, left = np.zeros((DEEPEST, robots * LONGEST, 3), np.int64), np.zeros((DEEPEST, 2), np.int64)
     missed = np.zeros(tasks.place.shape[0])
-    count[0, 0], order[0, 0, 0], xy[0, 0, 0] = 1, begin_with, tasks.centre_m[tasks.place[begin_with]]
-    depth = 0
+    place = tasks.place[begin_with]
+    count[0, 0], order[0, 0, 0] = 1, begin_with
+    xy[0, 0, 0, 0], xy[0, 0, 0, 1] = tasks.centre_m[place, 0], tasks.centre_m[place, 1]
+    depth, longest = 0, 1
     for _ in range(most_states):
         orders = Orders(count[depth], order[depth], xy[depth])
-        if depth == DEEPEST - 1 or count[depth].max() == LONGEST - 1:
+        if depth == DEEPEST - 1 or longest == LONGEST - 1:
             return Outcome.OPEN
         found = branch(orders, begin_with, tasks, missed, ways[depth])
         if found < 0:
@@ -229,9 +249,9 @@ def search_orders(robots: int, begin_with: int, tasks: Any, most_states: int) ->
         robot, at, task = ways[depth, left[depth, 0]]
         left[depth, 0] += 1
         orders = Orders(count[depth], order[depth], xy[depth])
-        count[depth + 1], order[depth + 1], xy[depth + 1] = count[depth], order[depth], xy[depth]
+        longest = write_orders(orders, Orders(count[depth + 1], order[depth + 1], xy[depth + 1]))
         more = insert(orders, robot, task, at, order[depth + 1, robot], xy[depth + 1, robot], tasks)
         can_be_in_time(order[depth + 1, robot], xy[depth + 1, robot], more, at, tasks)
-        count[depth + 1, robot] = more
+        count[depth + 1, robot], longest = more, max(longest, more)
         depth += 1
     return Outcome.OPEN

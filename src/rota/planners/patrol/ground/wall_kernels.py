@@ -60,7 +60,7 @@ def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, t
     for j in range(low, high + 1):
         if left <= right:
             most += cells.start[j * cells.nx + right + 1] - cells.start[j * cells.nx + left]
-    near = np.empty(most, dtype=np.int64)
+    near, numbers = np.empty(most, dtype=np.int64), np.empty(most)
     count = 0
     for j in range(low, high + 1):
         for i in range(left, right + 1):
@@ -70,9 +70,9 @@ def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, t
                     continue
                 asked[w] = turn
                 if away_from(x, y, cells.walls[w]) <= reach:
-                    near[count] = w
+                    near[count], numbers[count] = w, w
                     count += 1
-    return np.sort(near[:count])
+    return near[ascending(numbers[:count])]
 
 
 @allocation_free
@@ -90,63 +90,36 @@ def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
     """Which of the walls with the numbers items are the nearest in some direction: the others hide nothing more.
 
     Walls may meet but not cross: between two neighbouring directions of wall ends the nearest wall is the same one, so
-    one ray there tells it. A wall that the point lies on always counts: it hides what is behind it.
+    one ray there tells it. A wall that the point lies on always counts: it hides what is behind it. Walls are sorted
+    into sectors, the nearest first: a ray is tried on those that lie its way and could be nearer than what it has hit.
     """
     count = items.shape[0]
-    needed = np.zeros(count, dtype=np.bool_)
+    needed, sectors = np.zeros(count, dtype=np.bool_), min(count, 256)
     if count == 0:
         return needed
-    angles = np.empty(2 * count + 1)
-    for j in range(count):
-        w = walls[items[j]]
-        angles[2 * j] = math.atan2(w[1] - y, w[0] - x)
-        angles[2 * j + 1] = math.atan2(w[3] - y, w[2] - x)
-        needed[j] = lies_on(w, x, y)
-    angles[-1] = np.min(angles[:-1]) + 2 * math.pi
-    if count > 40:  # more are sorted by direction first
-        mark_nearest(x, y, items, walls, angles, needed)
-        return needed
-    angles.sort()
-    for a in range(angles.shape[0] - 1):
-        middle = (angles[a] + angles[a + 1]) / 2
-        dx, dy = math.cos(middle), math.sin(middle)
-        near, first = math.inf, -1
-        for j in range(count):
-            far = ray_hits(dx, dy, walls[items[j]], x, y)
-            if far < near:
-                near, first = far, j
-        if first >= 0:
-            needed[first] = True
-    return needed
-
-
-@kernel(error_model="numpy")
-def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed: Any) -> None:
-    """Mark the walls that are the nearest in the middle between two neighbouring directions, of very many walls.
-
-    angles (2 k + 1,): the directions of their ends, and the first of these once more. Walls are sorted into sectors,
-    the nearest first, so that a ray is tried on those alone that lie its way and could be nearer than what it has hit.
-    """
-    count = items.shape[0]
-    away, sectors = np.empty(count), min(count, 256)
+    angles, away = np.empty(2 * count), np.empty(count)
     first, last = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     start = np.zeros(sectors + 1, dtype=np.int64)
     for j in range(count):
-        away[j], first[j], last[j] = sectors_of(x, y, walls[items[j]], angles[2 * j], angles[2 * j + 1], sectors)
+        w = walls[items[j]]
+        angles[2 * j], angles[2 * j + 1] = math.atan2(w[1] - y, w[0] - x), math.atan2(w[3] - y, w[2] - x)
+        needed[j] = lies_on(w, x, y)
+        away[j], first[j], last[j] = sectors_of(x, y, w, angles[2 * j], angles[2 * j + 1], sectors)
         for k in range(first[j], last[j] + 1):
             start[(k if k < sectors else k - sectors) + 1] += 1
     for k in range(sectors):
         start[k + 1] += start[k]
     inside, place = np.empty(start[sectors], dtype=np.int64), start.copy()
-    for j in np.argsort(away):
+    for j in ascending(away):
         for k in range(first[j], last[j] + 1):
             sector = k if k < sectors else k - sectors
             inside[place[sector]] = j
             place[sector] += 1
-    angles.sort()
+    order = ascending(angles)
     per_turn = sectors / (2 * math.pi)
-    for a in range(angles.shape[0] - 1):
-        middle = (angles[a] + angles[a + 1]) / 2
+    for a in range(2 * count):
+        after = angles[order[a + 1]] if a + 1 < 2 * count else angles[order[0]] + 2 * math.pi
+        middle = (angles[order[a]] + after) / 2
         dx, dy = math.cos(middle), math.sin(middle)
         near, hit = math.inf, -1
         sector = int((middle + math.pi) * per_turn)
@@ -160,6 +133,13 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
                 near, hit = far, j
         if hit >= 0:
             needed[hit] = True
+    return needed
+
+
+@kernel(noinline=True)
+def ascending(values: Any) -> Any:
+    """The order (n,) in which values (n,) rise; a kernel by itself, since numpy's sorting takes long to compile."""
+    return np.argsort(values)
 
 
 @allocation_free
