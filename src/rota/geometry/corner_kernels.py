@@ -17,36 +17,6 @@ from rota.geometry.bundle_kernels import SECTORS, segment_is_free_too
 from rota.geometry.kernels import TOUCH_M
 
 
-@allocation_free
-def _can_bend(px, py, corner):
-    """Whether a shortest path straight from the point may bend at the corner (6,): its line is a tangent there."""
-    dx, dy = corner[0] - px, corner[1] - py
-    before = dx * (corner[3] - corner[1]) - dy * (corner[2] - corner[0])
-    after = dx * (corner[5] - corner[1]) - dy * (corner[4] - corner[0])
-    if before * after >= 0:
-        return True
-    slack2 = TOUCH_M * TOUCH_M * (dx * dx + dy * dy)
-    return before * before <= slack2 or after * after <= slack2
-
-
-@kernel
-def bitangents(corners, corner_part, grid):
-    """(c, c) bool: corners of one part that see each other along a line that is a tangent at both."""
-    c = len(corners)
-    linked, bars = np.zeros((c, c), np.bool_), np.empty(SECTORS, np.int64)
-    for k in range(c):
-        one = corners[k]
-        bars[:] = -1
-        for m in range(k):
-            other = corners[m]
-            if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
-                continue
-            if _can_bend(other[0], other[1], one):
-                free = segment_is_free_too(one[0], one[1], other[0], other[1], grid, bars)
-                linked[k, m] = linked[m, k] = free
-    return linked
-
-
 class KnownLinks(NamedTuple):
     """What is known of links from a space that was the same but for what lies in some boxes.
 
@@ -96,7 +66,7 @@ def _may_link(k, corners, sides, may):
 
 @kernel
 def bitangents_of(first, last, corners, corner_part, grid, known):
-    """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
+    """Pairs (p, 2) of the corners first to last, and a later one each of the same part, linked by a free bitangent."""
     pairs = np.empty((1024, 2), np.int32)
     count = 0
     sides = _sides_of(corners)
@@ -126,7 +96,10 @@ def bitangents_of(first, last, corners, corner_part, grid, known):
 
 @allocation_free
 def _may_bend(px, py, sides, may):
-    """Fill ``may`` (c,) as ``_can_bend`` tells for each of the corners with these sides, without a branch."""
+    """Fill ``may`` (c,): whether a shortest path straight from the point may bend at the corners with these sides.
+
+    Its line is a tangent there. One step after the other without a branch, so that several are taken at once.
+    """
     x, y, before_x, before_y, after_x, after_y = sides
     for m in range(len(may)):
         dx, dy = x[m] - px, y[m] - py

@@ -73,20 +73,17 @@ class ShortestPaths:
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
         """Lengths between all corners and, for each pair, the corner before the last, as dijkstra gives them."""
-        linked = corner_kernels.bitangents(self._corners, self._corner_part, self.grid)
-        one, other = np.nonzero(linked)
-        if not len(one):
-            lengths = np.where(np.eye(len(linked), dtype=bool), 0.0, np.inf)
-            return lengths, np.full(linked.shape, -9999, dtype=np.int32)
-        step = self.corners_m[one] - self.corners_m[other]
-        graph = csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=linked.shape)
-        some = [dijkstra(graph, indices=rows, return_predecessors=True) for rows in _some_rows(len(linked))]
+        graph = self._links.sorted_indices()
+        if not graph.nnz:
+            lengths = np.where(np.eye(len(self.corners_m), dtype=bool), 0.0, np.inf)
+            return lengths, np.full(graph.shape, -9999, dtype=np.int32)
+        some = [dijkstra(graph, indices=rows, return_predecessors=True) for rows in _some_rows(len(self.corners_m))]
         lengths, before = (np.ascontiguousarray(np.vstack(parts)) for parts in zip(*some, strict=True))
         return lengths, before
 
     @cached_property
     def _links(self) -> csr_array:
-        """The lengths (c, c) of the links between corners, for very many of them."""
+        """The lengths (c, c) of the links between corners."""
         count = len(self.corners_m)
         known, like = nothing_known(count), self._like
         if like is not None:
