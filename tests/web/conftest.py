@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlsplit
@@ -46,29 +48,68 @@ def faults(page_server: Server) -> Faults:
     return Faults(urlsplit(page_server.url).netloc)
 
 
-@pytest.fixture
-def new_page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
-    """A tab in a fresh context, where nothing is open; it must make no error and ask nobody but its server."""
+@contextmanager
+def new_tab(chromium: Any) -> Iterator[Any]:
+    """A tab in a fresh context, where nothing is open."""
     sync_api = pytest.importorskip("playwright.sync_api")
     context = chromium.new_context(
         viewport={"width": 1280, "height": 800}, accept_downloads=True, reduced_motion="reduce"
     )
     context.set_default_timeout(HAND_MS)
     sync_api.expect.set_options(timeout=HAND_MS)
-    page = context.new_page()
-    page.on("console", faults.heard)
-    page.on("pageerror", lambda error: faults.errors.append(str(error)))
-    page.on("request", faults.asked)
-    yield page
+    yield context.new_page()
     context.close()
+
+
+@contextmanager
+def faultless(page: Any, faults: Faults) -> Iterator[None]:
+    """A tab must make no error and ask nobody but its server."""
+    heard = {
+        "console": faults.heard,
+        "pageerror": lambda error: faults.errors.append(str(error)),
+        "request": faults.asked,
+    }
+    for event, hear in heard.items():
+        page.on(event, hear)
+    yield
+    for event, hear in heard.items():
+        page.remove_listener(event, hear)
     assert faults.errors == []
     assert faults.strangers == []
+
+
+@pytest.fixture
+def new_page(chromium: Any, faults: Faults) -> Iterator[Any]:
+    """A tab of its own, which must make no error."""
+    with new_tab(chromium) as page, faultless(page, faults):
+        yield page
 
 
 @pytest.fixture
 def page(new_page: Any, page_server: Server) -> Any:
     """The page, open and ready."""
     return open_page(new_page, page_server)
+
+
+@pytest.fixture(scope="module")
+def used_tab(started_chromium: Any, page_server: Server) -> Iterator[Any]:
+    """The page in a tab that the tests of a module use one after the other, as people do."""
+    browser, loop = started_chromium
+    asyncio._set_running_loop(loop)
+    with new_tab(browser) as page:
+        open_page(page, page_server)
+        asyncio._set_running_loop(None)
+        yield page
+        asyncio._set_running_loop(loop)
+    asyncio._set_running_loop(None)
+
+
+@pytest.fixture
+def used_page(chromium: Any, used_tab: Any, faults: Faults) -> Iterator[Any]:
+    """The page as the test before has left it, for tests that begin with a new mission; to open it takes a second."""
+    with faultless(used_tab, faults):
+        yield used_tab
+        used_tab.unroute_all()
 
 
 def open_page(page: Any, server: Server, address: str = "") -> Any:

@@ -27,6 +27,13 @@ from tests.web.serving import Server
 
 pytestmark = pytest.mark.browser
 
+
+@pytest.fixture
+def page(used_page: Any) -> Any:
+    """The page, which tests of this file take over from each other."""
+    return used_page
+
+
 SQUARE = [(100, 500), (500, 500), (500, 100), (100, 100)]
 
 

@@ -14,6 +14,13 @@ from tests.web.planned import planned_mission
 
 pytestmark = pytest.mark.browser
 
+
+@pytest.fixture
+def page(used_page: Any) -> Any:
+    """The page, which tests of this file take over from each other."""
+    return used_page
+
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 LISTEN = """() => {

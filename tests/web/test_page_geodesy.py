@@ -12,6 +12,13 @@ from rota.model.mission import GeoPoint
 
 pytestmark = pytest.mark.browser
 
+
+@pytest.fixture
+def page(used_page: Any) -> Any:
+    """The page, which tests of this file take over from each other."""
+    return used_page
+
+
 ORIGINS = [(54.362, 13.084), (0.0, 0.0), (-33.9, 151.2), (78.2, 15.6), (-54.8, -68.3), (35.0, -179.2)]
 REACH_M = 20_000
 
