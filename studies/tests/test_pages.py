@@ -27,7 +27,10 @@ def study_of(name: str) -> PaperStudy[Any, Any]:
     return study
 
 
-@pytest.mark.parametrize("name", RECORDED)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name == "chen2018")) for name in RECORDED],  # 5 s, others 1
+)
 def test_a_page_is_what_its_records_give(name: str) -> None:
     study = study_of(name).from_records(DOCS / f"{name}.json")
     assert study.page == (DOCS / f"{name}.md").read_text(encoding="utf-8")

@@ -281,7 +281,7 @@ def test_a_plan_that_took_over_is_replanned_with_all_that_was_driven_before() ->
         first_answer(ring_plan(20, {"a": 0.0, "b": 20.0}), at_s=100, lost=["b"]).plan, at_s=1, joined={"d": (0.0, 10.0)}
     )
     assert tighter.plan.seam is not None
-    points = lattice(tighter.plan.mission, 0.2)
+    points = lattice(tighter.plan.mission, 0.5)
     sampled = Sampled(tighter.plan, points, 0.02, 200.0, more_m=0.01)
     assert tighter.report.lateness is not None
     worst = tighter.report.lateness.worst

@@ -92,7 +92,7 @@ def test_robots_in_a_full_room_go_on_through_doors_and_rest(seed: int) -> None:
     assert covered_share(places, np.full(36, 5.0), free_ground(asked)) > 0.93
 
 
-@pytest.mark.parametrize("seed", [104, 111])
+@pytest.mark.parametrize("seed", [104, pytest.param(111, marks=pytest.mark.slow)])
 def test_heaps_do_not_go_round_by_news_of_ground_that_is_taken(seed: int) -> None:
     """Four robots of each went to and fro at full speed for ever, by old news that each had from the others."""
     asked = heap(100, 50.0, 0)

@@ -76,8 +76,15 @@ def test_what_is_out_of_range_is_told_as_it_is(mission: Mission, m2: float) -> N
     assert told(replace(mission, unseeable="refuse")) == (lost_m2, percent)
 
 
-@pytest.mark.parametrize("sensor", [DiscSensor(radius_m=3), SquareSensor(side_m=6)])
-@pytest.mark.parametrize("body_m", [0.0, 0.4])
+@pytest.mark.parametrize(
+    ("sensor", "body_m"),
+    [
+        (DiscSensor(radius_m=3), 0.4),
+        (SquareSensor(side_m=6), 0.0),
+        pytest.param(DiscSensor(radius_m=3), 0.0, marks=pytest.mark.slow),
+        pytest.param(SquareSensor(side_m=6), 0.4, marks=pytest.mark.slow),
+    ],
+)
 def test_what_walls_hide_is_counted_as_looks_from_everywhere_count_it(sensor: Any, body_m: float) -> None:
     # a court that nobody may enter, seen through a door in the west and over a low fence in the east
     no_fly, walls = box(6, 3, 14, 9), box(5.8, 2.8, 14, 9.2) - box(6, 3, 14, 9) - box(5.8, 5.5, 6, 7)
