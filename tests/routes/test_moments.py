@@ -43,6 +43,37 @@ def test_nothing_is_lost_at_the_seam(trajectory: Trajectory, at_s: float) -> Non
             assert np.abs(place(before, float(now)) - trajectory.at(at_s + now)).max() < 1e-9 * max(1, at_s)
 
 
+TURNS = Trajectory(  # at 2 m/s, with a second at each corner for turning, and one at the beginning of the loop
+    robot="c",
+    times_s=np.array([0.0, 1, 2, 7, 8, 11, 12, 17, 18, 21]),
+    positions_m=np.array(
+        [[0.0, 2], [0, 0], [0, 0], [10, 0], [10, 0], [10, 6], [10, 6], [0, 6], [0, 6], [0, 0]], dtype=np.float64
+    ),
+    loop_start_s=1.0,
+)
+
+
+@pytest.mark.parametrize("off_s", [10.0**k for k in range(-11, -4)])
+@pytest.mark.parametrize("trajectory", [TURNS, LOOPS, STAYS])
+def test_a_moment_beside_a_corner_leaves_turns_their_time_and_no_leg_that_creeps(
+    trajectory: Trajectory, off_s: float
+) -> None:
+    """A robot stays or drives as it did: no step to a corner and the turn there become one leg."""
+    pace_m_s = np.hypot(*np.diff(trajectory.positions_m, axis=0).T) / np.diff(trajectory.times_s)
+    rounds_s = [turn * trajectory.loop_duration_s for turn in (0, 1, 40)]
+    beside = [row_s + turn_s + by_s for row_s in trajectory.times_s for turn_s in rounds_s for by_s in (-off_s, off_s)]
+    for at_s in (moment_s for moment_s in beside if moment_s >= 0):
+        after, before = go_on(trajectory, at_s), way_before(trajectory, DiscSensor(radius_m=1), at_s, 30)
+        times_s = np.append(before.times_s[:-1], after.times_s)
+        legs_m = np.hypot(*np.diff(np.vstack([before.positions_m[:-1], after.positions_m]), axis=0).T)
+        told_s = np.diff(times_s)
+        assert legs_m @ (legs_m / told_s > pace_m_s.max() * (1 + 1e-6)) == 0
+        if trajectory.accelerations_m_s2 is None:
+            longer = told_s > 1.01e-9 * max(1, at_s)
+            off_m_s = np.abs((legs_m / told_s)[longer, None] - np.append(pace_m_s, 0.0)).min(axis=1)
+            assert off_m_s.max(initial=0.0) < 1e-5, (at_s, times_s, legs_m)
+
+
 def test_a_late_robot_is_where_it_was_so_much_sooner() -> None:
     late = delay(LOOPS, 2.5)
     moments = np.linspace(0, 40, 301)

@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 SOON_S = 1e-6  # stays on chargers that end so soon are over
 STAY_S = 1.0  # told of a robot that is on a charger for ever
 APART_S = 1e-9  # rows nearer to each other than this, and than a share as small of the time, are one
+STAYED_S = 1e-12  # the same of rows between which a robot stays
 
 
 def delay(trajectory: Trajectory, by_s: float) -> Trajectory:
@@ -48,13 +49,14 @@ def way_before(trajectory: Trajectory, sensor: Sensor, at_s: float, least_s: flo
     """
     from_s = max(0.0, at_s - least_s)
     times_s, places_m, changes = _rows(trajectory, from_s, at_s)
+    times_s = times_s - at_s
     return Driven(
         robot=trajectory.robot,
         sensor=sensor,
-        times_s=times_s - at_s,
+        times_s=times_s,
         positions_m=places_m[:, :2],
-        accelerations_m_s2=changes if changes.any() else None,
-        charges=_charges(_stays(trajectory, from_s, at_s), times_s - at_s, -at_s),
+        accelerations_m_s2=_forward(times_s, places_m, changes),
+        charges=_charges(_stays(trajectory, from_s, at_s), times_s, -at_s),
         battery=battery,
     )
 
@@ -87,7 +89,7 @@ def join_ways(earlier: Driven | None, way: Driven, least_s: float) -> Driven:
     )
 
 
-def _changes_of(way: Driven) -> Floats:
+def _changes_of(way: Driven | Trajectory) -> Floats:
     """The accelerations of a way along its legs."""
     changes = way.accelerations_m_s2
     return np.zeros(len(way.times_s) - 1) if changes is None else changes
@@ -111,7 +113,9 @@ def go_on(trajectory: Trajectory, at_s: float, battery: float = 1.0) -> Trajecto
             trajectory, times_s=np.zeros(1), positions_m=trajectory.positions_m[-1:], loop_start_s=0.0,
             headings_rad=None, accelerations_m_s2=None, waypoints=None, charges=(), battery=battery,
         )  # fmt: skip
-    begins_s = max(trajectory.loop_start_s, at_s)
+    begins_s, soon_s = max(trajectory.loop_start_s, at_s), APART_S * max(1.0, at_s)
+    if at_s < begins_s <= at_s + soon_s:  # later, so that no leg to there is hardly any
+        begins_s = at_s + soon_s if loop_s == 0 else float(trajectory.times_s[trajectory.loop_index + 1])
     times_s, places_m, changes = _rows(trajectory, at_s, begins_s + loop_s)
     times_s = times_s - at_s
     if loop_s > 0:  # rounding must not open the loop
@@ -121,7 +125,7 @@ def go_on(trajectory: Trajectory, at_s: float, battery: float = 1.0) -> Trajecto
         places_m[-1] = places_m[first]
     return replace(
         trajectory, times_s=times_s, positions_m=places_m, loop_start_s=begins_s - at_s, headings_rad=None,
-        accelerations_m_s2=changes if changes.any() else None, waypoints=None, battery=battery,
+        accelerations_m_s2=_forward(times_s, places_m, changes), waypoints=None, battery=battery,
         charges=_charges(_stays(trajectory, at_s, begins_s + loop_s), times_s, -at_s),
     )  # fmt: skip
 
@@ -188,26 +192,54 @@ def _charges(stays: Sequence[tuple[str, float, float]], times_s: Floats, later_s
     return tuple(found)
 
 
+def _forward(times_s: Floats, places_m: Floats, changes: Floats) -> Floats | None:
+    """The accelerations along legs as rounding leaves them; None: none."""
+    return forward_accelerations(times_s, places_m, changes) if changes.any() else None
+
+
 def _rows(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, Floats, Floats]:
-    """Times (n,) from one moment to another, places (n, d) then, and accelerations (n - 1,) along the legs between."""
+    """Times (n,) from one moment to another, places (n, d) then, and accelerations (n - 1,) along the legs between.
+
+    No leg that is driven is so short that rounding hides how fast; a stay beside it is where that would end or begin.
+    """
+    rows_s, rows_m, along = _rounds(trajectory, from_s, to_s)
+    from_m, to_m = trajectory.at([from_s, to_s])
+    soon, late = max(1.0, from_s), max(1.0, to_s)
+    first = int(np.searchsorted(rows_s, from_s + APART_S * soon, side="right"))
+    end = int(np.searchsorted(rows_s, to_s - APART_S * late))
+    if 0 < first <= end and rows_s[first - 1] > from_s and (rows_m[first - 1] != from_m).any():
+        stay = rows_m[first:end] == rows_m[first - 1]
+        stays = int(np.logical_and.accumulate(stay.all(axis=1)).sum())
+        rows_s[first : first + stays] -= rows_s[first - 1] - from_s
+        rows_m[first : first + stays] = from_m
+    if first <= end < len(rows_s) and rows_s[end] < to_s and (rows_m[end] != to_m).any():
+        stay = rows_m[first:end][::-1] == rows_m[end]
+        stays = int(np.logical_and.accumulate(stay.all(axis=1)).sum())
+        rows_s[end - stays : end] += to_s - rows_s[end]
+        rows_m[end - stays : end] = to_m
+    after_s = soon * np.where((rows_m == from_m).all(axis=1), STAYED_S, APART_S)
+    before_s = late * np.where((rows_m == to_m).all(axis=1), STAYED_S, APART_S)
+    inside = (rows_s > from_s + after_s) & (rows_s < to_s - before_s)
+    last = [to_s] if to_s > from_s else []
+    kept_s = np.concatenate([[from_s], rows_s[inside], last])
+    places_m = np.vstack([from_m, rows_m[inside], *([to_m] if last else [])])
+    middle_s = (kept_s[1:] + kept_s[:-1]) / 2
+    leg = np.clip(np.searchsorted(rows_s, middle_s, side="right") - 1, 0, max(0, len(along) - 1))
+    after = middle_s > rows_s[-1]  # a robot that stays
+    own = np.where(after, 0.0, along[leg]) if len(along) else np.zeros(len(kept_s) - 1)
+    return kept_s, places_m, own
+
+
+def _rounds(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, Floats, Floats]:
+    """The timed points (n,), (n, d) of all rounds that meet a span of time, and accelerations (n - 1,) between them."""
     times_s, loop_s, index = trajectory.times_s, trajectory.loop_duration_s, trajectory.loop_index
-    changes = trajectory.accelerations_m_s2
-    changes = np.zeros(len(times_s) - 1) if changes is None else changes
+    changes = _changes_of(trajectory)
     turns = 0 if loop_s == 0 else max(0, int(np.ceil((to_s - times_s[-1]) / loop_s)))
     skipped = 0 if loop_s == 0 else max(0, int(np.floor((from_s - trajectory.loop_start_s) / loop_s)))
-    rows = [times_s] if skipped == 0 else []
-    legs = [changes] if skipped == 0 else []
-    for turn in range(max(1, skipped), turns + 1):
-        rows.append(times_s[index + (turn > skipped or skipped == 0) :] + turn * loop_s)
+    first = 0 if skipped == 0 else index
+    rows, places, legs = [times_s[first:] + skipped * loop_s], [trajectory.positions_m[first:]], [changes[first:]]
+    for turn in range(skipped + 1, turns + 1):
+        rows.append(times_s[index + 1 :] + turn * loop_s)
+        places.append(trajectory.positions_m[index + 1 :])
         legs.append(changes[index:])
-    if not rows:
-        rows, legs = [times_s[index:] + skipped * loop_s], [changes[index:]]
-    rows_s, along = np.concatenate(rows), np.concatenate(legs)
-    apart_s = APART_S * max(1.0, to_s)
-    inside = (rows_s > from_s + apart_s) & (rows_s < to_s - apart_s)
-    kept_s = np.concatenate([[from_s], rows_s[inside], [to_s] if to_s > from_s else []])
-    leg = np.clip(np.searchsorted(rows_s, (kept_s[1:] + kept_s[:-1]) / 2, side="right") - 1, 0, max(0, len(along) - 1))
-    after = (kept_s[1:] + kept_s[:-1]) / 2 > rows_s[-1]  # a robot that stays
-    own = np.where(after, 0.0, along[leg]) if len(along) else np.zeros(len(kept_s) - 1)
-    places_m = trajectory.at(kept_s)
-    return kept_s, places_m, forward_accelerations(kept_s, places_m, own) if own.any() else own
+    return np.concatenate(rows), np.concatenate(places), np.concatenate(legs)
