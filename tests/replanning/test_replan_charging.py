@@ -212,3 +212,24 @@ def test_one_that_leaves_sooner_than_it_can_climb_is_found_where_a_plan_takes_ov
     assert violation.kind == "leaves before it can land and climb"
     assert violation.who.startswith(f"{climbing.robot}, ")
     assert violation.limit == pytest.approx(5)
+
+
+@pytest.mark.parametrize("turn_rate_rad_s", [None, 1e15], ids=["at once", "as if it took time to turn"])
+def test_one_to_spare_on_another_charger_comes_to_that_of_the_robot_that_is_lost(turn_rate_rad_s: float | None) -> None:
+    plan = relay(spare=True)
+    fleet, (x, y) = plan.mission.fleet, (3.0, 0.0)
+    robots = tuple(replace(robot, turn_rate_rad_s=turn_rate_rad_s) for robot in fleet.robots or ())
+    other = Charger(name="other", at=(x, y), places=1)
+    mission = replace(plan.mission, chargers=(*plan.mission.chargers, other), fleet=replace(fleet, robots=robots))
+    waits = replace(plan["d"], positions_m=[(x, y), (x, y)], charges=(replace(plan["d"].charges[0], charger="other"),))
+    plan = Plan(mission=mission, trajectories=(*plan.trajectories[:3], waits))
+    assert check_plan(plan).verdict == "met"
+    found = replan(plan, at_s=10.0, lost=["b"])  # on the pad, the next to fly, after 30 s more
+    judge_by_steps(plan, 10.0, found)
+    assert found.report.verdict == "met"
+    assert found.report.lateness is not None
+    assert found.report.lateness.holds_again_s == 0
+    assert [charge.charger for charge in found.plan["d"].charges][-1] == "pad"
+    assert {charge.charger for charge in found.plan["d"].charges if charge.from_s >= found.plan["d"].loop_start_s} == {
+        "pad"
+    }

@@ -74,6 +74,10 @@ class Order:
         late = round(sample.worst_s, LATE_DIGITS), round(sample.last_s, LATE_DIGITS)
         return *self.for_ever(sample.for_ever), *late, changed, sample.late_m2_s
 
+    def is_on_time(self, sampled: Rank) -> bool:
+        """Whether sample points tell that all is met and nothing late: then others can change fewer ways at best."""
+        return not any(sampled[: 2 * len(self.levels) + 2])
+
     def ease_less_important(self, count: int, times: float) -> Mission:
         """The mission whose demands but those of so many levels have so many times their periods; inf: none at all."""
         kept = frozenset().union(*self.levels[:count])

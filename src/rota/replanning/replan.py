@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
 EASED = (2.0, 4.0, math.inf)  # times the periods of what is less important that are tried; inf: it is left out
+SAMPLED = 32  # of the last plans, of which it is kept what sample points say
 POINTS = 150  # of each demand that plans are compared at
 
 
@@ -123,6 +125,7 @@ class _Search:
         self._best: Replanned | None = None
         self._rank: Rank = (math.inf,)
         self._best_sampled: Rank = (math.inf,)
+        self._sampled: deque[tuple[Plan, Rank]] = deque(maxlen=SAMPLED)
         self._why = "no robot has a way to go on"
 
     @property
@@ -154,8 +157,12 @@ class _Search:
         plans = iter(self._planner.takeovers(asked))
         # on lanes the second plan takes seconds
         first = islice(plans, 1 if situation.mission.lanes else FIRST)
-        ranked = sorted((self._sample(plan), k, plan) for k, plan in enumerate(first))
-        for sampled, _, plan in ranked:
+        ranked: list[tuple[Rank, int, Plan]] = []
+        for plan in first:
+            ranked.append((self._sample(plan), len(ranked), plan))
+            if self._order.is_on_time(ranked[-1][0]):
+                break
+        for sampled, _, plan in sorted(ranked):
             if self._is_over():
                 return
             if self._best is None or sampled < self._best_sampled:
@@ -224,11 +231,15 @@ class _Search:
         return True
 
     def _sample(self, plan: Plan) -> Rank:
-        """How late sample points are; less is better."""
+        """How late sample points are; less is better. What it came to last is kept: each plan is asked for twice."""
         from rota.check import sample_lateness
 
+        if (known := next((rank for one, rank in self._sampled if one is plan), None)) is not None:
+            return known
         changed = sum(line != self._situation.going_on.get(line.robot) for line in plan)
-        return self._order.of_sample(sample_lateness(plan, POINTS), changed)
+        rank = self._order.of_sample(sample_lateness(plan, POINTS), changed)
+        self._sampled.append((plan, rank))
+        return rank
 
 
 class _FirstSearch(_Search):

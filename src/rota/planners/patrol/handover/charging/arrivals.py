@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,10 +14,10 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
-from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady
+from rota.planners.patrol.handover.charging.needs import Needs
 from rota.planners.patrol.handover.charging.timetables import Round, begin_at
-from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S, SLOWER
-from rota.routes.charging_legs import charging_legs
+from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 
 Floats = NDArray[np.float64]
 
@@ -25,12 +25,31 @@ POINTS = 240  # of a round at which robots may come into it, beside its corners
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Transfer:
+    """How a robot that lands on one charger goes on to another, by ``way``, from ``leaves_s`` on or later.
+
+    level_s: with how much left it comes there then. fills_s: how long charging for the way takes there.
+    """
+
+    charger: Charger
+    way: TimedLine
+    leaves_s: float
+    level_s: float
+    fills_s: float
+
+    def by(self, ready_s: float) -> float:
+        """When it leaves to be charged again at a time, as late as can be: its place there may not be free sooner."""
+        return max(self.leaves_s, ready_s - self.fills_s - self.way.duration_s)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Flyer:
     """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none.
 
     lands: the rest of its flight, as it drives it whatever follows, of a robot that cannot turn or change its speed at
-    once; the place, the level and the charger are those at its end. None: it can go anywhere at once. lands_s,
-    climbs_s: how long it has still to land on the charger on which it is, and to climb before it can leave that.
+    once; the place, the level and the charger are those at its end. None: it can go anywhere at once. transfers: what
+    it can drive on from there to other chargers. lands_s, climbs_s: how long it has still to land on the charger on
+    which it is, and to climb before it can leave that.
     """
 
     robot: Robot
@@ -38,6 +57,7 @@ class Flyer:
     level_s: float
     charger: Charger | None
     lands: TimedLine | None = None
+    transfers: tuple[Transfer, ...] = ()
     lands_s: float = 0.0
     climbs_s: float = 0.0
 
@@ -64,54 +84,6 @@ class Arrival:
     leaves_s: float = 0.0
     via: Charger | None = None
     unserved_s: float = math.inf
-
-
-class Needs:
-    """What a round asks of a battery at each of its moments."""
-
-    def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
-        self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
-        self._lands_s, self._climbs_s = robot.battery.landing_s, robot.battery.climbing_s
-        takeoff_s = robot.battery.departure_s
-        self.docked = self._legs.docks >= 0
-        count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
-        if way.loop_duration_s > 0:
-            for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
-                begins_s = self._legs.begins_s[leg : leg + 1]
-                leaves = self.docked[leg - 1] and not self.docked[leg]
-                comes = not self.docked[leg - 1] and self.docked[leg]
-                needs_s = self._at(np.array([leg]), begins_s, self._lands_s * comes)[0]
-                self._after_s[leg - 1] = needs_s + takeoff_s * leaves
-
-    def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
-        """The leg of the round at each of its moments (k,)."""
-        legs = np.searchsorted(self._legs.begins_s, phases_s, side="right") - 1
-        return np.clip(legs, 0, len(self.docked) - 1)
-
-    def docks_at(self, phases_s: Floats) -> NDArray[np.int64]:
-        """The charger, by its number, at which the round is at each of its moments (k,); -1: at none."""
-        return self._legs.docks[self.leg_at(phases_s)]
-
-    def at(self, phases_s: Floats, *, lands: NDArray[np.bool_]) -> Floats:
-        """The least level (k,) at moments of the round with which a robot can go on for ever; inf: it cannot climb.
-
-        lands: (k,) where the round is on a charger, whether the robot comes in flight and has to land first.
-        """
-        leg = self.leg_at(phases_s)
-        lands_s = np.where(lands & self.docked[leg], self._lands_s, 0.0)
-        is_late = self.docked[leg] & (self._legs.leaves_s[leg] - phases_s - lands_s < self._climbs_s)
-        return np.where(is_late, np.inf, self._at(leg, phases_s, lands_s))
-
-    def _at(self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float) -> Floats:
-        """The same at moments within these legs; lands_s: for how long nothing is charged from then on."""
-        legs, after_s = self._legs, self._after_s[leg]
-        ends_s = np.where(self.docked[leg], np.minimum(legs.ends_s[leg], legs.leaves_s[leg] - self._climbs_s),
-                          legs.ends_s[leg])  # fmt: skip
-        rest_s = np.where(np.isfinite(ends_s), ends_s - phases_s, 0.0)
-        rest_s = np.where(self.docked[leg], np.maximum(rest_s - lands_s, 0.0), rest_s)
-        needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
-        swapped = legs.leaves_s[leg] - phases_s - lands_s - self._climbs_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
-        return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
 
 
 class Arrivals:
@@ -168,6 +140,8 @@ class Arrivals:
         moments_s = np.mod(self._phases_s - now_s, lasts_s)
         moments_s[moments_s > lasts_s - SHORTEST_S] = 0.0
         order = np.argsort(moments_s, kind="stable")
+        if self._flyers[k].lands is not None:
+            return self._first_landed(self._flyers[k], now_s, moments_s[order], order)
         return self._first(k, now_s, moments_s[order], self._travel_s[:, order])
 
     def finer(self, k: int, now_s: float, arrival: Arrival) -> Arrival:
@@ -185,7 +159,7 @@ class Arrivals:
         """The first of moments (n,) at which the k-th robot can be there with enough left."""
         one, count = self._flyers[k], len(self._flyers)
         if one.lands is not None:
-            return self._first_on_charger(one, one.lands.duration_s, now_s, moments_s)
+            return self._first_landed(one, now_s, moments_s, None)
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
@@ -220,16 +194,55 @@ class Arrivals:
                 )  # fmt: skip
         return best
 
-    def _first_on_charger(self, one: Flyer, free_s: float, now_s: float, moments_s: Floats) -> Arrival:
-        """The first of moments at which the round is on the charger where a robot is from some time on, as charged."""
-        if self._lasts_s == 0:
-            moments_s = np.array([free_s])
-        phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
+    def _first_landed(self, one: Flyer, now_s: float, moments_s: Floats, order: NDArray[np.int64] | None) -> Arrival:
+        """The first of moments at which a robot is on a charger of the round as that is there: where it lands, if any.
+
+        order: numbers of the round's known phases, of which these are the moments; None: of others.
+        """
+        assert one.lands is not None, f"{one.robot.name} lands nowhere"
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
-        here = self._needs.docks_at(phases_s) == self._chargers.index(one.charger)
-        lands_s = one.lands_s if free_s == 0 else one.robot.battery.landing_s
-        left_s = one.level_after_s(one.level_s, moments_s - free_s - lands_s, one.charger)
-        is_enough = here & (left_s >= self._needs.at(phases_s, lands=np.zeros(len(phases_s), np.bool_)))
+        if self._chargers.index(one.charger) in self._docks_of_round:
+            lands_s = one.lands_s if one.lands.duration_s == 0 else one.robot.battery.landing_s
+            ready_s = one.lands.duration_s + lands_s
+            return self._first_on_charger(one, one.charger, one.level_s, ready_s, (now_s, moments_s, order))
+        best = Arrival()
+        for each in one.transfers:
+            ready_s = each.leaves_s + each.way.duration_s + one.robot.battery.landing_s
+            found = self._first_on_charger(one, each.charger, each.level_s, ready_s, (now_s, moments_s, order))
+            if found.joins_s < best.joins_s:
+                best = replace(found, via=each.charger)
+        return best
+
+    @cached_property
+    def _docks_of_round(self) -> frozenset[int]:
+        """The chargers, by their numbers, at which the round is at some time."""
+        return frozenset(self._needs.docks_at(self._phases_s).tolist()) - {-1}
+
+    @cached_property
+    def _on_ground(self) -> tuple[NDArray[np.int64], Floats]:
+        """At which charger the round is at the known phases (k,), and what is needed there of one that has landed."""
+        landed = np.zeros(len(self._phases_s), np.bool_)
+        return self._needs.docks_at(self._phases_s), self._needs.at(self._phases_s, lands=landed)
+
+    def _first_on_charger(
+        self, one: Flyer, charger: Charger, level_s: float, ready_s: float,
+        asked: tuple[float, Floats, NDArray[np.int64] | None],
+    ) -> Arrival:  # fmt: skip
+        """The first moment at which the round is on the charger at which a robot charges from some time on.
+
+        asked: how far on the round is at the time 0, the moments, and their numbers as ``_first_landed`` has them.
+        """
+        now_s, moments_s, order = asked
+        if self._lasts_s == 0:
+            moments_s, order = np.array([ready_s]), None
+        if order is None:
+            phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
+            docks = self._needs.docks_at(phases_s)
+            needs_s = self._needs.at(phases_s, lands=np.zeros(len(phases_s), np.bool_))
+        else:
+            phases_s, docks, needs_s = self._phases_s[order], self._on_ground[0][order], self._on_ground[1][order]
+        left_s = one.level_after_s(level_s, moments_s - ready_s, charger)
+        is_enough = (docks == self._chargers.index(charger)) & (left_s >= needs_s)
         if not is_enough.any():
             return Arrival()
         first = int(np.argmax(is_enough))
@@ -244,7 +257,11 @@ class Arrivals:
         one, way = self._flyers[k], begin_at(self._way, arrival.phase_s)
         if one.lands is not None and one.charger is not None:
             line = _Line(one.lands, self._paths)
-            line.stay(arrival.joins_s, one.charger.name)
+            if (moves := next((each for each in one.transfers if each.charger is arrival.via), None)) is not None:
+                leaves_s = moves.by(arrival.joins_s - one.robot.battery.landing_s)
+                line.stay(leaves_s, one.charger.name)
+                line.follow(moves.way)
+            line.stay(arrival.joins_s, (arrival.via or one.charger).name)
             return line.lead_into(one.robot.name, way, arrival.joins_s, battery)
         way_m, joins_s = way.positions_m[0, :2], arrival.joins_s
         line = _Line(steady(np.zeros(1), one.place_m[None]), self._paths)
@@ -278,6 +295,13 @@ class _Line:
         times_s = since_s + along_m / along_m[-1] * (there_s - since_s)
         self._times_s += [*times_s[1:-1].tolist(), there_s]
         self._places_m += list(line_m[1:])
+
+    def follow(self, way: TimedLine) -> None:
+        """Drive a way that begins here."""
+        here = TimedLine(np.array(self._times_s), np.array(self._places_m), np.zeros(len(self._times_s) - 1))
+        here.accelerations_m_s2[: len(self._begun.accelerations_m_s2)] = self._begun.accelerations_m_s2
+        self._begun = chain(here, way)
+        self._times_s, self._places_m = self._begun.times_s.tolist(), list(self._begun.places_m)
 
     def stay(self, until_s: float, charger: str | None) -> None:
         """Stay where it is, perhaps on a charger."""

@@ -16,7 +16,7 @@ from rota.geometry.free_space import free_ground
 from rota.model.mission import TOUCH_M, Charger, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer
+from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer, Transfer
 from rota.planners.patrol.handover.charging.timetables import (
     FAR,
     Round,
@@ -28,7 +28,7 @@ from rota.planners.patrol.handover.charging.timetables import (
 )
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
 from rota.planners.patrol.relief.ways import Motion, Ways
-from rota.planners.patrol.tolerances import SHORTEST_S
+from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
 from rota.routes.charging_legs import charging_legs
@@ -69,7 +69,7 @@ class _Takeover:
         if robot.turns_at_once:
             return now
         if now.charger is not None:
-            return replace(now, lands=steady(np.zeros(1), now.place_m[None]))
+            return self._with_transfers(replace(now, lands=steady(np.zeros(1), now.place_m[None])))
         line = self._asked.going_on.get(robot.name)
         if line is None:
             return self._comes_to_a_charger(now)
@@ -80,9 +80,41 @@ class _Takeover:
         lands = TimedLine(line.times_s[:rows], line.positions_m[:rows, :2], changes)
         used_s = charging_legs(line, robot, self._mission.chargers).uses[: rows - 1] * np.diff(lands.times_s)
         charger = next(one for one in self._mission.chargers if one.name == line.charges[0].charger)
-        return replace(
-            now, place_m=lands.places_m[-1], level_s=now.level_s - float(used_s.sum()), charger=charger, lands=lands
-        )
+        return self._with_transfers(
+            replace(now, place_m=lands.places_m[-1], level_s=now.level_s - float(used_s.sum()), charger=charger,
+                    lands=lands)
+        )  # fmt: skip
+
+    def _with_transfers(self, one: Flyer) -> Flyer:
+        """A robot that is on a charger in the end, with its ways to others: it leaves as soon as it has climbed.
+
+        Who has too little left for a way charges first.
+        """
+        assert one.lands is not None, f"{one.robot.name} lands nowhere"
+        assert one.charger is not None, f"{one.robot.name} lands nowhere"
+        battery, found, begins_s = one.robot.battery, list[Transfer](), one.lands.duration_s
+        grounding_s = one.lands_s + one.climbs_s if begins_s == 0 else battery.grounding_s
+        for other in self._mission.chargers:
+            way = None if other is one.charger else self._way_between(one.charger, other)
+            if way is None:
+                continue
+            used_s = battery.departure_s + way.duration_s * max(1.0, battery.standing_uses)
+            lacks_s = max(battery.reserve_s + used_s - one.level_s, 0.0)
+            charges_s = _fills_s(one.robot, one.charger, lacks_s)
+            if used_s > battery.usable_s or not math.isfinite(charges_s):
+                continue
+            found.append(
+                Transfer(
+                    charger=other, way=way, leaves_s=begins_s + grounding_s + charges_s,
+                    level_s=one.level_s + lacks_s - used_s, fills_s=_fills_s(one.robot, other, used_s),
+                )
+            )  # fmt: skip
+        return replace(one, transfers=tuple(found))
+
+    def _way_between(self, charger: Charger, other: Charger) -> TimedLine | None:
+        """The way from rest on a charger to rest on another one; None: there is none."""
+        way = self._ways.way(np.array(other.at), Motion(np.array(charger.at), None, 0.0, math.inf))
+        return None if way is None else way.line_to(1.0).backwards()
 
     def _comes_to_a_charger(self, new: Flyer) -> Flyer:
         """One that is new, and stands away from chargers, on its way to the one that it comes to soonest."""
@@ -194,6 +226,8 @@ class _Takeover:
             return longest_s
 
         empty_s = look(0.0)
+        if found and empty_s > 0:
+            yield found[0][2]  # who is on a flight has to end it, and nobody need be missed meanwhile
         if not found:
             turns_s = [round_.turn_s for round_ in rounds if round_.turn_s > 0]
             empty_s = max(turns_s, default=0.0)
@@ -244,6 +278,15 @@ class _Takeover:
             trajectories=tuple(lines[robot.name] for robot in self._mission.fleet.robots or ()),
         )  # fmt: skip
         return plan, longest_s
+
+
+def _fills_s(robot: Robot, charger: Charger, level_s: float) -> float:
+    """How long a robot charges at a charger to have so much more left."""
+    if level_s == 0:
+        return 0.0
+    if charger.swap_s is not None:
+        return charger.swap_s * (1 + SAME_ROUND)
+    return level_s * (robot.battery.recharge_s or math.inf) / (robot.battery.endurance_s or math.inf)
 
 
 def _divisions(counts: Sequence[int], robots: int) -> list[list[int]]:

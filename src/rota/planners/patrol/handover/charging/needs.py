@@ -1,0 +1,61 @@
+"""How full a battery has to be at each moment of a round of flights, so that a robot can go on with it for ever."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.model.mission import Charger, Robot
+from rota.model.plan import Trajectory
+from rota.planners.patrol.tolerances import SAME_ROUND
+from rota.routes.charging_legs import charging_legs
+
+Floats = NDArray[np.float64]
+
+
+class Needs:
+    """What a round asks of a battery at each of its moments."""
+
+    def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
+        self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
+        self._lands_s, self._climbs_s = robot.battery.landing_s, robot.battery.climbing_s
+        takeoff_s = robot.battery.departure_s
+        self.docked = self._legs.docks >= 0
+        count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
+        if way.loop_duration_s > 0:
+            for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
+                begins_s = self._legs.begins_s[leg : leg + 1]
+                leaves = self.docked[leg - 1] and not self.docked[leg]
+                comes = not self.docked[leg - 1] and self.docked[leg]
+                needs_s = self._at(np.array([leg]), begins_s, self._lands_s * comes)[0]
+                self._after_s[leg - 1] = needs_s + takeoff_s * leaves
+
+    def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
+        """The leg of the round at each of its moments (k,)."""
+        legs = np.searchsorted(self._legs.begins_s, phases_s, side="right") - 1
+        return np.clip(legs, 0, len(self.docked) - 1)
+
+    def docks_at(self, phases_s: Floats) -> NDArray[np.int64]:
+        """The charger, by its number, at which the round is at each of its moments (k,); -1: at none."""
+        return self._legs.docks[self.leg_at(phases_s)]
+
+    def at(self, phases_s: Floats, *, lands: NDArray[np.bool_]) -> Floats:
+        """The least level (k,) at moments of the round with which a robot can go on for ever; inf: it cannot climb.
+
+        lands: (k,) where the round is on a charger, whether the robot comes in flight and has to land first.
+        """
+        leg = self.leg_at(phases_s)
+        lands_s = np.where(lands & self.docked[leg], self._lands_s, 0.0)
+        is_late = self.docked[leg] & (self._legs.leaves_s[leg] - phases_s - lands_s < self._climbs_s)
+        return np.where(is_late, np.inf, self._at(leg, phases_s, lands_s))
+
+    def _at(self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float) -> Floats:
+        """The same at moments within these legs; lands_s: for how long nothing is charged from then on."""
+        legs, after_s = self._legs, self._after_s[leg]
+        ends_s = np.where(self.docked[leg], np.minimum(legs.ends_s[leg], legs.leaves_s[leg] - self._climbs_s),
+                          legs.ends_s[leg])  # fmt: skip
+        rest_s = np.where(np.isfinite(ends_s), ends_s - phases_s, 0.0)
+        rest_s = np.where(self.docked[leg], np.maximum(rest_s - lands_s, 0.0), rest_s)
+        needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
+        swapped = legs.leaves_s[leg] - phases_s - lands_s - self._climbs_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
+        return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
