@@ -46,14 +46,16 @@ def test_those_that_remain_may_not_be_enough(pair: Path, tmp_path: Path, capsys:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (["--at", "nan"], "at_s: nan is not allowed"),
-        (["--at", "-3"], "at_s: -3.0 is not allowed"),
-        (["--at", "3", "--lost", "robot-9"], "lost: robot 'robot-9' is not in the plan; the plan has a, b"),
+        (["--at", "nan"], "--at: nan is not allowed"),
+        (["--at", "-3"], "--at: -3.0 is not allowed"),
+        (["--at", "3", "--lost", "robot-9"], "--lost: robot 'robot-9' is not in the plan; the plan has a, b"),
         (["--at", "3", "--joined", "c=1"], "--joined: 'c=1' is not allowed; NAME=X,Y is needed"),
         (["--at", "3", "--joined", "c=1,x"], "'x' is no number"),
         (["--at", "3", "--joined", "c=5,5"], "robot c: at t = 3 s it is at (5.00, 5.00)"),
         (["--at", "3", "--late", "7"], "--late: '7' is not allowed; NAME=S is needed"),
-        (["--at", "3", "--late", "a=nan"], "late: a=nan is not allowed"),
+        (["--at", "3", "--late", "a=nan"], "--late: a=nan is not allowed"),
+        (["--at", "3", "--late", "a=2", "--late", "a=5"], "--late: robot 'a' is given twice; once is allowed"),
+        (["--at", "3", "--joined", "c=1,2", "--joined", "c=2,1"], "--joined: robot 'c' is given twice"),
         (["--at", "3", "--mission", "nowhere.yaml"], "nowhere.yaml"),
     ],
 )

@@ -193,6 +193,28 @@ def test_a_robot_where_an_obstacle_is_now_is_told_with_the_way_out() -> None:
     assert {one.robot for one in found.plan} == {"a", "b"}
 
 
+def test_a_place_told_to_a_new_robot_is_one_where_it_can_join() -> None:
+    area = shapely.MultiPolygon([shapely.Polygon([(-0.004, -0.004), (10.004, -0.004), (10.004, 10.009), (-0.004, 10)])])
+    plan = replace(PAIR, mission=replace(PAIR.mission, area=area))
+    for at_m in ((30.0, 30.0), (5.0, 40.0), (5.0, 5.0)):
+        with pytest.raises(MissionError, match=r"m away: give it as joined at") as told:
+            replan(plan, at_s=0, joined={"c": at_m})
+        x, y = map(float, str(told.value).rpartition("joined at ")[2].split(","))
+        assert {one.robot for one in first_answer(plan, at_s=0, joined={"c": (x, y)}).plan} == {"a", "b", "c"}
+
+
+def test_robots_that_drive_along_a_slanting_border_are_on_the_ground() -> None:
+    """Places between two corners of the border are off it by rounding."""
+    corners_m = np.array([[0.0, 0], [7.1, 2.3], [3.3, 9.7], [0, 0]])
+    mission = Mission(
+        name="slanting", area=shapely.MultiPolygon([shapely.Polygon(corners_m)]), period_s=60,
+        fleet=Fleet(robots=1, speed_m_s=1, sensor=DiscSensor(radius_m=9)),
+    )  # fmt: skip
+    line = Trajectory(robot="robot-1", times_s=[0, 8, 17, 28], positions_m=corners_m)
+    for at_s in np.linspace(0.1, 27.9, 12):
+        assert replan(Plan(mission=mission, trajectories=(line,)), at_s=float(at_s)).kept == ("robot-1",)
+
+
 def test_a_plan_that_took_over_can_be_taken_over() -> None:
     once = first_answer(replace(PAIR, mission=ring_mission(45, ("a", "b"))), at_s=100, lost=["b"])
     twice = replan(once.plan, at_s=12, joined={"c": (0.0, 5.0)})

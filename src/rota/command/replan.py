@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,11 +16,20 @@ from rota.command.interrupt import stop_on_interrupt
 from rota.command.plan import write_or_print
 from rota.command.terminal import STANDARD_STREAM, progress_bar, say
 from rota.compiled.compiled_cache import mention_compiling
-from rota.errors import NoPlanFound, RotaError
+from rota.errors import MissionError, NoPlanFound, RotaError
 
 if TYPE_CHECKING:
     from rota.model.mission import Mission
     from rota.replanning.replan import Replanned
+
+OPTIONS = {  # by what they are called in Python
+    "at_s": "--at",
+    "lost": "--lost",
+    "joined": "--joined",
+    "late": "--late",
+    "battery": "--battery",
+    "time_limit_s": "--time-limit",
+}
 
 
 def replan(
@@ -76,6 +85,9 @@ def replan(
         except NoPlanFound as failure:
             say(f"no plan: {failure}")
             raise typer.Exit(stop.exit_code or NO_PLAN) from None
+        except MissionError as error:
+            name, colon, rest = str(error).partition(":")
+            raise (RotaError(OPTIONS[name] + colon + rest) if name in OPTIONS else error) from None
     if output == STANDARD_STREAM:
         write_or_print(found.plan, output, meets_demand=found.meets_demand)
     _show(found, output)
@@ -131,25 +143,33 @@ def _show(found: Replanned, target: str) -> None:
 
 def _places(given: list[str]) -> dict[str, tuple[float, float]]:
     """Robots and places of NAME=X,Y."""
-    places = {}
+    places = dict[str, tuple[float, float]]()
     for text in given:
         name, _, place = text.rpartition("=")
         parts = place.split(",")
         if not name or len(parts) != 2:
             raise RotaError(f"--joined: {text!r} is not allowed; NAME=X,Y is needed, such as robot-9=12.5,3")
+        _require_once("--joined", name, places)
         places[name] = (_number("--joined", text, parts[0]), _number("--joined", text, parts[1]))
     return places
 
 
 def _numbers(given: list[str], option: str, unit: str, such: str) -> dict[str, float]:
     """Robots and their numbers, given as NAME=NUMBER."""
-    numbers = {}
+    numbers = dict[str, float]()
     for text in given:
         name, _, number = text.rpartition("=")
         if not name:
             raise RotaError(f"{option}: {text!r} is not allowed; NAME={unit} is needed, such as {such}")
+        _require_once(option, name, numbers)
         numbers[name] = _number(option, text, number)
     return numbers
+
+
+def _require_once(option: str, name: str, given: Collection[str]) -> None:
+    """RotaError for a robot that an option has been given for."""
+    if name in given:
+        raise RotaError(f"{option}: robot {name!r} is given twice; once is allowed")
 
 
 def _number(option: str, text: str, part: str) -> float:

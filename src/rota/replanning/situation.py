@@ -7,18 +7,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import shapely
+from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
 from rota.model.limits import LONGEST_S
 from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot, Sensor
 from rota.model.plan import Driven, Plan, Seam, Trajectory
+from rota.model.polygons import polygons_of
 from rota.replanning.levels import Level, later_part, levels_of_plan, require_same_batteries
 from rota.routes.charging_legs import charging_legs
 from rota.routes.moments import delay, earlier_by, go_on, join_ways, way_before
 
 Place = tuple[float, float]
 
+INSIDE_M = 0.01  # so far inside of a space a place to go to stays in it when it is rounded to centimetres
 TOLD = 2.0  # times the longest period and round: so much of what was driven is told
 BEFORE = " (before)"  # added to the name of a robot that goes on from another place than where it came to
 
@@ -136,7 +139,7 @@ def _mission_of(plan: Plan, change: Change, places: Mapping[str, Place]) -> Miss
     holds_s = None if change.mission is None else asked.holds_within_s
     robots = [listed.get(name) or _robot(fleet, name) for name in places]
     for robot in robots:
-        _require_room(asked, robot, places[robot.name], change.at_s)
+        _require_room(asked, robot, change, places[robot.name])
 
     def mission_with(starts: Mapping[str, Place]) -> Mission:
         """The mission of these robots with starts."""
@@ -164,24 +167,42 @@ def _robot(fleet: Fleet, name: str) -> Robot:
     return fleet.kind_of(name).robot(name) if fleet.kinds else fleet.equal_robot(name)
 
 
-def _require_room(mission: Mission, robot: Robot, place: Place, at_s: float) -> None:
+def _require_room(mission: Mission, robot: Robot, change: Change, place: Place) -> None:
     """MissionError, with the nearest place where it can be, for a robot whose body is where none can be now."""
     free, point = free_ground(mission), shapely.Point(place)
-    if free.covers(point) and free.boundary.distance(point) >= robot.body_radius_m - TOUCH_M:
+    # a place on the way past a corner may be off it by rounding
+    if free.distance(point) <= TOUCH_M and free.boundary.distance(point) >= robot.body_radius_m - TOUCH_M:
         return
     space = standing_space(mission, robot.body_radius_m)
-    told = (
-        f"robot {robot.name}: at t = {at_s:g} s it is at ({place[0]:.2f}, {place[1]:.2f}), where the mission as it is"
+    walls = [(k, one) for k, one in enumerate(mission.obstacles) if one.blocks_motion]
+    near_m = robot.body_radius_m + TOUCH_M
+    there = next((f"obstacles[{k}]" for k, one in walls if one.shape.distance(point) < near_m), None)
+    has = (
+        f"has {there or 'no area'}" if not free.covers(point) else f"has {there or 'its border'} too near for its body"
     )
-    told += " now has an obstacle, or no area"
+    told = (
+        f"robot {robot.name}: at t = {change.at_s:g} s it is at ({place[0]:.2f}, {place[1]:.2f}), where the mission as"
+        f" it is now {has}"
+    )
     if space.is_empty:
         raise MissionError(f"{told}; no robot of its size can be anywhere")
-    x, y = nearest_free_point(space, place)
-    away_m = math.dist(place, (x, y))
+    x, y = _place_told(space, place)
+    how = "give it" if robot.name in change.joined else "from there, give it as lost, and"
     raise MissionError(
-        f"{told}; it can go to ({x:.2f}, {y:.2f}), {away_m:.2f} m away: from there, give it as lost, and as joined at"
-        f" {x:.2f},{y:.2f}"
+        f"{told}; it can go to ({x:.12g}, {y:.12g}), {math.dist(place, (x, y)):.2f} m away: {how} as joined at"
+        f" {x:.12g},{y:.12g}"
     )
+
+
+def _place_told(space: MultiPolygon, place: Place) -> Place:
+    """A place in a space as near as can be to another one, in whole centimetres but where these are all outside."""
+    nearest = nearest_free_point(space, place)
+    for inside_m in (0.0, INSIDE_M):
+        if not (smaller := polygons_of(space.buffer(-inside_m))).is_empty:
+            x, y = nearest_free_point(smaller, place)
+            if space.covers(shapely.Point(round(x, 2), round(y, 2))):
+                return round(x, 2), round(y, 2)
+    return nearest
 
 
 def _seam_of(
