@@ -400,7 +400,8 @@ def test_a_mission_in_metres_goes_on_the_globe_and_back(page: Any) -> None:
         assert corner[1] - after[0][1] == pytest.approx(was[1] - before[0][1], abs=0.02)
 
 
-def test_examples_and_files_are_read(page: Any, tmp_path: Path) -> None:
+def test_examples_and_files_are_read(new_page: Any, page_server: Any, tmp_path: Path) -> None:
+    page = open_page(new_page, page_server)
     open_example(page, "harbour")
     assert "At least 4 robots, proved" in judged(page)
     expect(page.locator(".card[data-kind=zone]")).to_have_count(3)
