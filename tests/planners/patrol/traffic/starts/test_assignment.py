@@ -91,3 +91,14 @@ def test_a_robot_waits_then_goes_then_waits_for_the_others() -> None:
     still = joined_trajectory("r", way((3, 4)), 0.0, 0.0, one_round)
     assert still.loop_start_s == 0
     assert len(still.times_s) == 3
+
+
+def test_a_way_that_ends_beside_its_loop_by_rounding_leaves_the_loop_closed() -> None:
+    """As paths do: their last point may be off the place where the loop begins by the last bit of a number."""
+    round_ = steady(
+        np.array([0.0, 4, 8]), np.array([[22.8775, 3.987499999999999], [26.8775, 3.9875], [22.8775, 3.987499999999999]])
+    )
+    approach = Approach(line=steady(np.array([0.0, 2]), np.array([[20.8775, 3.9875], [22.8775, 3.9875]])))
+    joined = joined_trajectory("a", approach, 0.0, 2.0, round_)
+    assert (joined.positions_m[-1] == joined.positions_m[1]).all()
+    assert joined.loop_duration_s == 8

@@ -13,7 +13,7 @@ from rota.planners.patrol.driving.at_once import SLOW_LEG_M, timed_line
 from rota.planners.patrol.driving.polylines import far_enough
 from rota.planners.patrol.driving.rounded import Rounded
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
+from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SHORTEST_S, SLOWER
 
 Floats = NDArray[np.float64]
 
@@ -122,7 +122,10 @@ def joined_trajectory(
         if line is not None and not line.stays:
             ends_s = begins_s + line.times_s[1:]
             times.append(np.append(ends_s[:-1], loops_s) if line is approach.run_up else ends_s)
-            places.append(line.places_m[1:])
+            begins_m, onward_m = (approach.run_up or approach.line).places_m[-1], line.places_m[1:]
+            if line is one_round and np.hypot(*(onward_m[-1] - begins_m)) <= SAME_PLACE_M:
+                onward_m = np.vstack([onward_m[:-1], begins_m])  # rounding must not open the loop
+            places.append(onward_m)
             accelerations.append(line.accelerations_m_s2)
     changes = np.concatenate(accelerations)
     return Trajectory(
