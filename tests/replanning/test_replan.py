@@ -36,6 +36,9 @@ from rota.replanning.replan import first_plan
 PAIR = ring_plan(30, {"a": 0.0, "b": 20.0})
 
 
+MASS = rota.MotionLimits(acceleration_m_s2=1000.0, corner_acceleration_m_s2=1000.0)
+
+
 def first_answer(plan: Plan, **change: object) -> Replanned:
     """The first plan that takes over."""
     return replan(plan, should_stop=lambda: True, **change)  # type: ignore[arg-type]
@@ -246,8 +249,7 @@ def test_robots_that_turn_slowly_take_over() -> None:
 
 
 def test_robots_with_mass_go_on() -> None:
-    corner = {"acceleration_m_s2": 1000.0, "corner_acceleration_m_s2": 1000.0}
-    plan = ring_plan(45, {"a": 0.0, "b": 20.0}, motion=rota.MotionLimits(**corner))
+    plan = ring_plan(45, {"a": 0.0, "b": 20.0}, motion=MASS)
     found = replan(plan, at_s=33.3, lost=["b"], time_limit_s=2)
     assert (found.kept, found.report.verdict) == (("a",), "met")
 
@@ -340,3 +342,20 @@ def test_the_first_plan_alone_is_one_that_can_be_driven(monkeypatch: pytest.Monk
     monkeypatch.setattr("rota.check.violations_on_the_way", lambda plan: [found])
     with pytest.raises(NoPlanFound, match=r"no plan takes over at t = 53 s: a: speed"):
         first_plan(PAIR, at_s=53.0, lost=["a"])
+
+
+def test_robots_with_mass_that_cannot_go_on_are_told_with_what_is_in_their_way() -> None:
+    plan = ring_plan(45, {"a": 0.0}, motion=MASS)
+    wall = Obstacle(shape=shapely.MultiPolygon([shapely.box(9, 9, 11, 11)]), blocks="motion")
+    changed = replace(plan.mission, obstacles=(*plan.mission.obstacles, wall))
+    with pytest.raises(NoPlanFound, match=r"at t = 3 s: a: obstacle at \(10\.000, \d+\.\d+\), t = ") as told:
+        first_answer(plan, at_s=3, mission=changed)
+    assert "no robot has" not in str(told.value)
+
+
+def test_a_new_robot_with_mass_for_all_that_are_lost_is_answered() -> None:
+    """It stays where it is, which misses nearly all, where nothing better is found in time."""
+    plan = ring_plan(45, {"a": 0.0}, motion=MASS)
+    found = first_answer(plan, at_s=3, lost=["a"], joined={"c": (5.0, 0.0)})
+    assert found.report.verdict == "violated"
+    assert {one.kind for one in found.report.violations} <= {"gap", "unseeable"}

@@ -10,7 +10,10 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rota.errors import MissionError, NoPlanFound
+from rota.model.plan import Plan, Trajectory
 from rota.planning.planner import Handover, planner_of
 from rota.planning.stopping import StopRule
 from rota.replanning.order import Order, Rank
@@ -19,7 +22,6 @@ from rota.replanning.situation import Change, Place, Situation, situation_after
 if TYPE_CHECKING:
     from rota.check.report import Report
     from rota.model.mission import Fleet, Mission
-    from rota.model.plan import Plan, Trajectory
 
 FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
@@ -126,7 +128,7 @@ class _Search:
         self._rank: Rank = (math.inf,)
         self._best_sampled: Rank = (math.inf,)
         self._sampled: deque[tuple[Plan, Rank]] = deque(maxlen=SAMPLED)
-        self._why = "no robot has a way to go on"
+        self._why: str | None = None  # what is wrong with the plan that was tried last
 
     @property
     def is_done(self) -> bool:
@@ -170,6 +172,18 @@ class _Search:
         while not self._is_over() and (other := next(plans, None)) is not None:
             if self._best is None or self._sample(other) < self._best_sampled:
                 self._try(other)
+        if self._why is None and self._best is None and not self.is_done:
+            self._try(self._as_before())
+
+    def _as_before(self) -> Plan:
+        """The plan in which robots go on as before, and new ones stay where they are."""
+        situation, full = self._situation, self._situation.batteries
+        new = {
+            name: Trajectory(robot=name, times_s=np.zeros(1), positions_m=np.array([place]), battery=full[name])
+            for name, place in situation.places.items()
+        }
+        lines = (situation.going_on.get(name, line) for name, line in new.items())
+        return Plan(mission=situation.mission, seam=situation.seam, seed=self._seed, trajectories=tuple(lines))
 
     def _is_over(self) -> bool:
         """Whether there is nothing to search, or no time left and a plan."""
