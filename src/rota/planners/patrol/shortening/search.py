@@ -106,6 +106,20 @@ def shortened_further(context: Context, found: Repaired, *, left: float = math.i
     return found
 
 
+def pull_tight(context: Context, found: Repaired) -> Repaired:
+    """The plan with its loops bent by linear programs alone, three times as far, over samples that hardly overlap.
+
+    The plan given where that is no better.
+    """
+    if context.should_stop():
+        return found
+    shortening = replace(context.settings.shortening, bending_steps=3 * context.settings.shortening.bending_steps)
+    settings = replace(context.settings, shortening=shortening)
+    own = replace(context, problem=with_little_overlap(context.problem), settings=settings)
+    tighter = repair_for_length(own, found.tours, found.tours)
+    return tighter if is_better(tighter, found, fewest_turns=False) else found
+
+
 def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> Repaired:
     """The plan with its tours straight on past their spikes, repaired; the plan given where that is no better."""
     if context.should_stop() or not (found := spikes(context.problem, plan.tours)):
@@ -154,6 +168,18 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
         own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
         is_in_vain=lambda tours: is_too_long(tours, old),
     )  # fmt: skip
+
+
+def with_little_overlap(problem: Problem) -> Problem:
+    """The problem with sensors that are taken to reach less by a tenth of the samples' spacing at most.
+
+    More makes lanes overlap by so much, and loops longer; what is then missed between samples takes rounds of repair.
+    """
+    shrink_m, frames = 0.1 * problem.spacing_m, problem.samples.frames.copy()
+    frames[:, 3] = np.minimum(frames[:, 3], shrink_m)  # as the lattices' rows have it
+    less_m = np.minimum(problem.points.shrink_m, shrink_m)
+    points, samples = replace(problem.points, shrink_m=less_m), problem.samples._replace(shrink_m=less_m, frames=frames)
+    return replace(problem, points=points, samples=samples)
 
 
 def anneal_for_length(

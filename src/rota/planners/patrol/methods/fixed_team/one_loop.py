@@ -19,7 +19,7 @@ from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, reach_o
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.large.search import is_large
 from rota.planners.patrol.repair.bending.search import can_bend
-from rota.planners.patrol.shortening.search import LARGEST, has_nests, reaches, with_better_loops
+from rota.planners.patrol.shortening.search import LARGEST, has_nests, pull_tight, reaches, with_better_loops
 
 
 def is_one_loop(context: Context, team: Team) -> bool:
@@ -53,7 +53,7 @@ def shortest_loop(context: Context, team: Team) -> Reached | None:
             break
         context.progress(0.3 + 0.7 * turn / most, "looking for a shorter loop")
         best = with_better_loops(replace(own, seed=context.seed + 100 * turn), best)
-    return reach_of(best, stretch)
+    return reach_of(pull_tight(own, best), stretch)
 
 
 def ample_s(regions: Iterable[DemandedRegion], mission: Mission, reach_m: float, pace_m_s: float) -> float:
