@@ -233,6 +233,9 @@ def test_kinds_of_robots_are_given_what_differs_and_what_one_costs(page: Any) ->
     fleet.get_by_label("Robots", exact=True).select_option("kinds")
     assert document(page)["fleet"]["kinds"] == [scout, {"name": "kind-1", "cost": 4}]
     assert "proved" in judged(page)
+    new_mission(page)  # which knows nothing of the kinds of another
+    fleet.get_by_label("Robots", exact=True).select_option("kinds")
+    assert document(page)["fleet"]["kinds"] == [{"name": "kind-1", "cost": 1}, {"name": "kind-2", "cost": 2}]
 
 
 def test_batteries_and_chargers_are_given(page: Any) -> None:

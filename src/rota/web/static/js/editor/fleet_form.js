@@ -26,6 +26,9 @@ export class FleetForm {
     this.motion = new MotionFields(fields, schema);
     this.built = "";
     this.kinds = FIRST_KINDS; // those that were there before robots were counted otherwise
+    fields.store.addEventListener("change", ({ detail }) => {
+      this.kinds = detail === "load" ? FIRST_KINDS : this.kinds;
+    });
   }
 
   get fleet() {
