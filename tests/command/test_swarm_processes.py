@@ -53,10 +53,11 @@ def test_a_launch_writes_what_was_done_and_says_how_it_went(mission: str, capsys
     plan = read_plan("done.rota.json")
     assert [way.robot for way in plan] == ["robot-1", "robot-2"]
     assert all((way.positions_m[:, 2] == pytest.approx(20 + 30)) for way in plan)  # the altitude of fleets is 30 m
-    head, first, *_ = Path("done.csv").read_text().splitlines()
+    head, *rows = Path("done.csv").read_text().splitlines()
     assert head == "time_s,coverage,robots"
-    assert first.startswith("0.0,0.1")
-    assert first.endswith(",2")
+    assert rows[0].startswith("0.0,0.")
+    _, coverage, robots = rows[-1].split(",")  # on a busy machine one may be heard before the other
+    assert (0.1 <= float(coverage) < 0.2, robots) == (True, "2")
     assert run(["check", "done.rota.json"]) == 0
 
 
