@@ -177,10 +177,11 @@ def test_vehicles_start_hold_and_return_and_say_where_they_are() -> None:
         await link.pause("a")
         await link.come_home("a")
         async with aclosing(link.reports()) as reports, asyncio.timeout(20):
-            async for report in reports:
-                if report.robot == "a" and report.mode == "returning":
+            async for _ in reports:
+                latest = [link.latest(robot) for robot in link.robots]
+                if latest[0].mode == "returning" and latest[1].battery is not None:  # which an ArduPilot tells if asked
                     break
-        return [link.latest(robot) for robot in link.robots]
+        return latest
 
     far = Script(firmware=ARDUPILOT, position=(481000000, 115013430, 30000))
     with flying(Script(), far) as vehicles:
