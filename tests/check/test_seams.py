@@ -36,13 +36,16 @@ def told(before: Any, after: Any, *, accelerations: tuple[Any, Any] = (None, Non
     return [one.kind for one in (*motion_violations(plan), *seam_violations(plan))]
 
 
-def bent(later_m_s: float) -> list[str]:
-    """At 1 m/s2: a corner by 0.3 m/s 0.05 s before the change, and one back by that much 0.12 s after it."""
+def bent(later_m_s: float, rows: int = 2) -> list[str]:
+    """At 1 m/s2: a corner by 0.3 m/s 0.05 s before the change, and one back by that much 0.12 s after it.
+
+    rows: of what was driven since the corner.
+    """
     v0, v1 = np.array([2.0, 0]), np.array([2.0, 0.3])
     v2 = v1 - [0, later_m_s]
     at = -0.05 * v1, 0.12 * v1, 0.12 * v1 + 2 * v2
     stops_s = float(np.hypot(*v2)) / 0.9
-    before = [(-10, *(at[0] - 9.95 * v0)), (-0.05, *at[0]), (0, 0, 0)]
+    before = [(-10, *(at[0] - 9.95 * v0)), *((-0.05 * share, *(share * at[0])) for share in np.linspace(1, 0, rows))]
     after = [(0, 0, 0), (0.12, *at[1]), (2.12, *at[2]), (2.12 + stops_s, *(at[2] + v2 * stops_s / 2))]
     limits = MotionLimits(acceleration_m_s2=1.0)
     return told(before, after, accelerations=(None, [0, 0, -0.9]), motion=limits)
@@ -52,6 +55,31 @@ def test_a_corner_driven_last_needs_room_that_the_plan_must_leave_it() -> None:
     # it takes 0.15 s, and the next one half of what it needs beside it
     assert bent(0.0) == []
     assert bent(0.1) == ["corner acceleration"]
+
+
+@pytest.mark.parametrize("rows", [2, 30])
+def test_no_rows_of_a_moment_hide_what_was_driven_before(rows: int) -> None:
+    """A corner 0.05 s, or 0.3 m, before the change, with the leg since then told in so many rows."""
+    assert bent(0.1, rows) == ["corner acceleration"]
+    assert bent(0.0, rows) == []
+    assert turned(0.3, 0.3, rows) == ["turn radius"] * 2
+    assert turned(0.5, 0.5, rows) == []
+
+
+def turned(before_m: float, after_m: float, rows: int) -> list[str]:
+    """At 1 m/s on arcs of 5 m: corners of 0.19 rad, each of which takes 0.48 m, before the change and after it."""
+    at = np.linspace(-before_m, 0, rows)
+    x, y = 9 * math.cos(0.19), 9 * math.sin(0.19)
+    before = [(-9 - before_m, -before_m - x, y), *((each, each, 0.0) for each in at)]
+    return told(before, [(0, 0, 0), (after_m, after_m, 0), (9 + after_m, after_m + x, y)], turn_radius_m=5.0)
+
+
+def test_a_leg_of_which_only_the_end_is_told_has_room_enough() -> None:
+    """The plan before began, or what is told of it does, a millisecond before the change, in the midst of a leg."""
+    x, y = 9 * math.cos(0.19), 9 * math.sin(0.19)
+    for before, kinds in (([(-1e-3, -1e-3, 0)], []), ([], ["turn radius"])):
+        after = [(0, 0, 0), (0.3, 0.3, 0), (9.3, 0.3 + x, y)]
+        assert told([*before, (0, 0, 0)], after, turn_radius_m=5.0) == kinds
 
 
 def test_what_was_wrong_before_is_believed() -> None:

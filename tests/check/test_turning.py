@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, box
+from tests.seeds import seeds
 
 from rota.check.motion import motion_violations
 from rota.check.report import Violation
@@ -83,6 +85,61 @@ def test_many_turns_below_rounding_add_up() -> None:
     spot = np.cumsum(1e-8 * np.column_stack([np.cos(angles), np.sin(angles)]), axis=0)
     found = violations(np.vstack([[-50.0, 0.0], [0.0, 0.0], spot, spot[-1] + [0, 50.0]]), loop_from=len(spot) + 2)
     assert {v.kind for v in found} == {"turn radius"}
+
+
+def test_turns_below_rounding_add_up_past_corners_that_are_none() -> None:
+    """1.2 nm steps whose turns rounding hides, between longer ones that bend by next to nothing: 29 degrees in 1 cm."""
+    steps_m = np.tile([1.2e-9] * 12 + [5e-6, 5e-6], 1_000)
+    turns = np.tile([5e-4 / 12] * 12 + [0.0, 1e-7], 1_000)
+    curve = np.cumsum(steps_m[:, None] * np.column_stack([np.cos(turns.cumsum()), np.sin(turns.cumsum())]), axis=0)
+    end = curve[-1] + 9 * np.array([math.cos(turns.sum()), math.sin(turns.sum())])
+    xy = 90 + np.vstack([[-10.0, 0.0], [0.0, 0.0], curve, end])
+    assert {one.kind for one in violations(xy, loop_from=len(xy) - 1)} == {"turn radius"}
+
+
+@pytest.mark.parametrize("seed", seeds(20, at_once=5))
+def test_places_beside_a_line_take_no_room_from_corners(seed: int) -> None:
+    """Legs hardly longer than they must be, with places within 1e-6 m beside them: arcs that touch them follow all."""
+    rng = np.random.default_rng(seed)
+    turns = rng.uniform(-0.19, 0.19, 12)
+    half_m = np.concatenate([[1.0], RADIUS_M * np.tan(np.abs(turns) / 2), [1.0]])
+    angle = np.concatenate([[0.0], turns.cumsum()])
+    along = np.column_stack([np.cos(angle), np.sin(angle)])
+    lengths_m = (half_m[:-1] + half_m[1:]) * (1 + 1e-3)
+    corners = np.vstack([[0.0, 0.0], np.cumsum(lengths_m[:, None] * along, axis=0)])
+    rows = [corners[:1]]
+    for k, length_m in enumerate(lengths_m):
+        shares = np.sort(rng.uniform(0, 1, rng.integers(0, 4)))[:, None]
+        aside = rng.uniform(-1e-7, 1e-7, (len(shares), 1)) * np.array([-along[k, 1], along[k, 0]])
+        rows += [corners[k] + shares * length_m * along[k] + aside, corners[k + 1 : k + 2]]
+    told = np.vstack(rows)
+    assert violations(told, loop_from=len(told) - 1) == []
+    # the curve itself, in steps: how it bends, and how far it is from the legs that are told
+    driven = sampled(corners, turns, along)
+    steps = np.diff(driven, axis=0)
+    bends = np.abs(np.diff(np.unwrap(np.arctan2(*steps.T[::-1]))))
+    apart_m = np.hypot(*steps.T)
+    assert (bends <= 1.001 * (apart_m[1:] + apart_m[:-1]) / 2 / RADIUS_M + 1e-6).all()
+    assert shapely.distance(shapely.LineString(told), shapely.points(driven)).max() <= RADIUS_M / 200 + 1e-6
+
+
+def sampled(corners: Floats, turns: Floats, along: Floats) -> Floats:
+    """Places on the curve of lines and arcs that touch the legs at these corners."""
+    places = [corners[:1]]
+    for corner, turn, before in zip(corners[1:-1], turns, along, strict=False):
+        begin = corner - RADIUS_M * math.tan(abs(turn) / 2) * before
+        swept = np.linspace(0, turn, 40)[:, None]
+        side = np.array([-before[1], before[0]])
+        places.append(begin + RADIUS_M * (np.sin(np.abs(swept)) * before + (1 - np.cos(swept)) * np.sign(turn) * side))
+    return np.vstack([*places, corners[-1:]])
+
+
+@pytest.mark.parametrize(("at_m", "tight"), [(0.3, False), (0.3, True)])
+def test_a_bend_that_is_hardly_any_takes_no_room_before_a_turn(at_m: float, tight: bool) -> None:
+    """A turn of 0.19 rad takes 0.48 m of the leg before; 2e-7 rad 0.3 m before it are 6e-8 m off, 0.02 rad 6 mm."""
+    bend = 0.02 if tight else 2e-7
+    xy = [[-50.0, 0.0], [-at_m, 0.0], [0.0, at_m * bend], [50 * math.cos(0.19), 50 * math.sin(0.19)]]
+    assert {one.kind for one in violations(xy, loop_from=3)} == ({"turn radius"} if tight else set())
 
 
 def test_robots_that_stay_or_never_turn_are_fine() -> None:

@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation, violation
 from rota.check.tolerances import ACCELERATION_TOLERANCE, FLOAT_EPS, OFF_M, STILL_M, TURN_TOLERANCE_RAD
-from rota.check.turning import MOST_PER_ROBOT
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.model.violation_kinds import ViolationKind
@@ -61,7 +60,7 @@ class _Motion(NamedTuple):
 
 
 def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: bool = True) -> list[Violation]:
-    """Legs and vertices at which a robot would have to accelerate more than it can, and jerks; at most 20 of a kind.
+    """Legs and vertices at which a robot would have to accelerate more than it can, and jerks.
 
     Kinds: "acceleration" along a leg, and where the speed jumps; "corner acceleration" where the direction does; "jerk"
     where accelerations change, see ``_jerk_violations``. Each is told with the least value that the plan asks for.
@@ -207,8 +206,8 @@ def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violatio
         return []
     found = np.abs(trajectory.accelerations_m_s2)
     return [
-        _violation("acceleration", trajectory, m, float(found[m]), most_m_s2, "m/s2")
-        for m in np.flatnonzero(found > most_m_s2 * (1 + ACCELERATION_TOLERANCE))[:MOST_PER_ROBOT]
+        _violation("acceleration", trajectory, int(m), float(found[m]), most_m_s2, "m/s2")
+        for m in np.flatnonzero(found > most_m_s2 * (1 + ACCELERATION_TOLERANCE))
     ]
 
 
@@ -240,7 +239,7 @@ def _vertex_violations(
         kind: ViolationKind = "corner acceleration" if turns[j] else "acceleration"
         k = int(motion.points[j + 1])
         violations.setdefault(k, _violation(kind, trajectory, k, float(asked[j]), float(limit[j]), "m/s2"))
-    return list(violations.values())[:MOST_PER_ROBOT]
+    return list(violations.values())
 
 
 def _turns(motion: _Motion) -> NDArray[np.bool_]:
@@ -303,7 +302,7 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float, 
     for j in np.flatnonzero((jerk > most_m_s3 * (1 + ACCELERATION_TOLERANCE)) & whole[1:] & whole[:-1]):
         k = int(motion.points[first[j + 1]])
         violations.setdefault(k, _violation("jerk", trajectory, k, float(jerk[j]), most_m_s3, "m/s3"))
-    return list(violations.values())[:MOST_PER_ROBOT]
+    return list(violations.values())
 
 
 def _sizes(vectors: Floats) -> Floats:

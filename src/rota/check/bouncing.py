@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rota.check.bounce_contacts import Around
 from rota.check.bounce_floor import Floor
 from rota.check.bounce_lines import Walls, line_violations
-from rota.check.report import Violation, violation
+from rota.check.report import MOST_PER_ROBOT, Violation, violation
 from rota.check.tolerances import BOUNCE_TOLERANCE_RAD, TOUCH_M
 from rota.model.mission import Bouncing
 from rota.model.plan import Plan, Trajectory
@@ -27,7 +27,6 @@ from rota.model.violation_kinds import ViolationKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_PER_ROBOT = 20
 MOST_MOVES = 5_000_000  # of one robot
 
 

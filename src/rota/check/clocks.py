@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.check.motion import segment_distances
+from rota.check.distances import segment_distances
 from rota.check.near_legs import near_ways
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of

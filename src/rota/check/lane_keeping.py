@@ -9,10 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.lane_kernels import first_jumps
-from rota.check.report import Violation, violation
+from rota.check.report import MOST_PER_ROBOT, Violation, violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M
-from rota.check.turning import MOST_PER_ROBOT
 from rota.model.mission import Lane
 from rota.model.plan import Plan, Trajectory
 

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from rota.check.accelerations import acceleration_violations
 from rota.check.blocking import blocks_motion
-from rota.check.report import Violation, violation
+from rota.check.distances import point_distances, segment_distances
+from rota.check.report import MOST_PER_ROBOT, Violation, few_of_each_kind, violation
 from rota.check.routes import lines_of, segments_of
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
-from rota.check.turning import MOST_PER_ROBOT, turn_radius_violations, turn_violations
+from rota.check.turning import turn_radius_violations, turn_violations
 from rota.model.mission import Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
@@ -41,9 +42,10 @@ def motion_violations(plan: Plan) -> list[Violation]:
         violations += _place_violations(trajectory, robot, out_of_area[k], "outside area")
         violations += _place_violations(trajectory, robot, into_obstacles[k], "obstacle")
         violations += speed_violations(trajectory, robot)
-        violations += turn_violations(trajectory, robot)
+        violations += few_of_each_kind(turn_violations(trajectory, robot))
         if trajectory.robot not in under_way:  # of those that were, seam_violations tells with what they drove before
-            violations += acceleration_violations(trajectory, robot) + turn_radius_violations(trajectory, robot)
+            violations += few_of_each_kind(acceleration_violations(trajectory, robot))
+            violations += few_of_each_kind(turn_radius_violations(trajectory, robot))
         violations += altitude_violations(trajectory, robot, mission)
     return violations
 
@@ -221,39 +223,9 @@ def _least_sag(places: Floats, sides: Floats) -> Floats:
     """
     count = len(sides)
     each = np.repeat(places, count, axis=0), np.tile(sides[:, :2], (len(places), 1))
-    away = _point_distance(*each, np.tile(sides[:, 2:] - sides[:, :2], (len(places), 1)))[0].reshape(-1, count)
+    away = point_distances(*each, np.tile(sides[:, 2:] - sides[:, :2], (len(places), 1)))[0].reshape(-1, count)
     least: Floats = np.maximum(away[:-1], away[1:]).min(axis=1)
     return least
-
-
-def segment_distances(a: Floats, b: Floats) -> tuple[Floats, Floats]:
-    """Distance of segments a and b (n, 4), row by row, and where along a it is reached, in 0..1; 0 if they cross."""
-    p, d = a[:, :2], a[:, 2:] - a[:, :2]
-    q, e = b[:, :2], b[:, 2:] - b[:, :2]
-    best, where = np.full(len(a), np.inf), np.zeros(len(a))
-    for point, at in ((p, 0.0), (a[:, 2:], 1.0)):
-        gap = _point_distance(point, q, e)[0]
-        where = np.where(gap < best, at, where)
-        best = np.minimum(best, gap)
-    for point in (q, b[:, 2:]):
-        gap, u = _point_distance(point, p, d)
-        where = np.where(gap < best, u, where)
-        best = np.minimum(best, gap)
-    turn = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u = ((q - p)[:, 0] * e[:, 1] - (q - p)[:, 1] * e[:, 0]) / turn
-        v = ((q - p)[:, 0] * d[:, 1] - (q - p)[:, 1] * d[:, 0]) / turn
-    cross = (turn != 0) & (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
-    return np.where(cross, 0.0, best), np.where(cross, u, where)
-
-
-def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats, Floats]:
-    """Distance (n,) of points from segments, all (n, 2), and where along the segments it is reached, (n,) in 0..1."""
-    length2 = (along**2).sum(axis=1)
-    u = ((point - start) * along).sum(axis=1) / np.where(length2 > 0, length2, 1.0)
-    u = np.clip(u, 0.0, 1.0)
-    rest = point - start - u[:, None] * along
-    return np.hypot(rest[:, 0], rest[:, 1]), u
 
 
 def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.check.motion import segment_distances
+from rota.check.distances import segment_distances
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of
 from rota.check.tolerances import TOUCH_M
 

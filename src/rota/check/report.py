@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
+MOST_PER_ROBOT = 20  # violations of a kind that are told
 CELLS = ("entered", "of")
 
 
@@ -68,6 +70,17 @@ def violation(
         limit=limit if isinstance(limit, int) else float(limit),
         unit=unit,
     )
+
+
+def few_of_each_kind(violations: Iterable[Violation]) -> list[Violation]:
+    """The first ``MOST_PER_ROBOT`` of each kind, in their order."""
+    counted: Counter[str] = Counter()
+    few = []
+    for one in violations:
+        counted[one.kind] += 1
+        if counted[one.kind] <= MOST_PER_ROBOT:
+            few.append(one)
+    return few
 
 
 @dataclass(frozen=True, kw_only=True)

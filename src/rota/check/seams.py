@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from rota.check.accelerations import acceleration_violations
-from rota.check.report import Violation, violation
+from rota.check.report import Violation, few_of_each_kind, violation
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.check.turning import turn_radius_violations, turn_violations
 from rota.errors import PlanError
 from rota.model.mission import Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
-
-ROWS = 12  # of what was driven last: enough for what a corner or a jump of speed takes of the legs beside it
 
 
 def seam_violations(plan: Plan) -> list[Violation]:
@@ -60,29 +58,28 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
         own = {(one.kind, one.time_s) for one in turn_violations(straight, robot) + _curves(straight, robot, False)}
     # turns later on are told of the trajectory alone
     turns = [one for one in turn_violations(joined, robot) if (one.time_s or 0.0) <= before.lasts_s + slack_s]
-    return [
+    return few_of_each_kind(
         replace(one, time_s=max(0.0, one.time_s - before.lasts_s))
         for one in turns + _curves(joined, robot, from_rest)
         if one.time_s is not None and (one.time_s >= before.lasts_s - slack_s or (one.kind, one.time_s) not in own)
-    ]
+    )
 
 
 def _curves(trajectory: Trajectory, robot: Robot, from_rest: bool) -> list[Violation]:
     """Curves and changes of speed that the robot cannot drive."""
-    found = turn_radius_violations(trajectory, robot)
+    found = turn_radius_violations(trajectory, robot, begins_whole=from_rest)
     return found + acceleration_violations(trajectory, robot, from_rest=from_rest)
 
 
 class _Before:
-    """The last that a robot drove before a plan took over, for ``lasts_s``, up to where its trajectory begins."""
+    """What a robot drove before a plan took over, for ``lasts_s``, up to where its trajectory begins."""
 
     def __init__(self, driven: Driven, trajectory: Trajectory) -> None:
-        self._driven, self._times_s = driven, driven.times_s[-ROWS:]
+        self._driven, self._times_s = driven, driven.times_s
         self.lasts_s = -float(self._times_s[0])
-        self._places_m = np.vstack([driven.positions_m[-ROWS:-1], trajectory.positions_m[:1, :2]])
-        self._changes_m_s2 = np.zeros(len(self._times_s) - 1)
-        if (own := driven.accelerations_m_s2) is not None:
-            self._changes_m_s2 = own[len(own) - len(self._changes_m_s2) :]
+        self._places_m = np.vstack([driven.positions_m[:-1], trajectory.positions_m[:1, :2]])
+        own = driven.accelerations_m_s2
+        self._changes_m_s2 = np.zeros(len(self._times_s) - 1) if own is None else own
 
     def straight_on(self) -> Trajectory:
         """From where it was on, as fast as it was: for so long that nothing before depends on how that ends."""

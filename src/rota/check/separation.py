@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rota.check.approach import gaps_at, nearest_shares
 from rota.check.charging import undocked_routes
-from rota.check.motion import segment_distances
+from rota.check.distances import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of

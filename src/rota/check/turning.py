@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.charging import docked_rows
+from rota.check.distances import point_distances
 from rota.check.report import Violation, violation
 from rota.check.tolerances import (
     FLOAT_EPS,
@@ -15,6 +16,7 @@ from rota.check.tolerances import (
     SPEED_TOLERANCE,
     STILL_M,
     STRAIGHT_RAD,
+    TOUCH_M,
     TURN_OFF_SHARE,
     TURN_TOLERANCE_RAD,
 )
@@ -24,7 +26,6 @@ from rota.model.plan import Trajectory
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_PER_ROBOT = 20
 TURNED_S = 1.0  # on a charger, after which a robot may face anywhere; by less it only touches the ground
 
 
@@ -55,7 +56,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     angle, noise = _turns_rad(steps, length, before, after, far_m)
     need = angle / robot.turn_rate_rad_s
     allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - SPEED_TOLERANCE) - 4 * FLOAT_EPS * times[-1]
-    for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
+    for k in np.flatnonzero(pause < allowed):
         m = before[k] + 1
         place = (xy[m, 0], xy[m, 1])
         violations.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
@@ -73,7 +74,7 @@ def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float)
     time = np.append(np.diff(trajectory.times_s), 0.0)[: len(turn)]
     allowed = rate_rad_s * (time * (1 + SPEED_TOLERANCE) + 4 * FLOAT_EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
     violations = []
-    for m in np.flatnonzero(turn > allowed)[:MOST_PER_ROBOT]:
+    for m in np.flatnonzero(turn > allowed):
         x, y = trajectory.positions_m[m, :2]
         value = float(turn[m] / time[m]) if time[m] > 0 else math.inf
         violations.append(
@@ -82,53 +83,88 @@ def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float)
     return violations
 
 
-def turn_radius_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
+def turn_radius_violations(trajectory: Trajectory, robot: Robot, *, begins_whole: bool = True) -> list[Violation]:
     """Corners that a robot with a turn radius cannot follow, the seam of the loop included.
 
     A curve of arcs with the turn radius r and of straight lines must run within r / 200 of the legs. An arc that
     touches both legs of a corner with turn a leaves it by r (1 / cos(a / 2) - 1), and takes r tan(a / 2) of each leg;
     what the two corners of a leg take must not overlap. So a turn is at most 11.4 degrees, and legs are long enough.
-    Legs in a straight row are one. Standing still does not help: such a robot cannot turn on the spot. On a charger it
-    can be turned: it takes off in any heading, if it charged for as long as the turn takes on its arc, or for a second.
-    The value is the radius in metres that the corner's legs leave room for; 0 where the turn is too sharp.
+    Where they are not, places up to 1e-6 m off a line past them may be left out. Standing still does not help: such a
+    robot cannot turn on the spot. On a charger it can be turned: it takes off in any heading, if it charged for as long
+    as the turn takes on its arc, or for a second. begins_whole: False: the first leg is a piece of a longer one. The
+    value is the radius in metres that the corner's legs leave room for; 0 where the turn is too sharp.
     """
-    radius_m = robot.turn_radius_m
-    if radius_m == 0:
+    if robot.turn_radius_m == 0:
         return []
-    xy = trajectory.positions_m[:, :2]
-    steps = np.diff(xy, axis=0)
-    lengths = np.hypot(*steps.T)
-    moving = np.flatnonzero(lengths > STILL_M)
-    legs = np.concatenate([moving, moving[moving >= trajectory.loop_index]])  # the loop twice, for what spans its seam
+    xy, first = trajectory.positions_m[:, :2], trajectory.loop_index
+    moving = np.flatnonzero((np.diff(xy, axis=0) != 0).any(axis=1))
+    again = moving[moving >= first]
+    legs = np.concatenate([moving, again])  # the loop twice, for what spans its seam
     if len(legs) < 2:
         return []
-    angle, noise = _turns_rad(steps, lengths, legs[:-1], legs[1:], float(np.abs(xy).max()))
-    from_charger = np.zeros(len(angle), np.bool_)
-    if trajectory.charges:
-        stays_s = _charge_before_s(trajectory, legs)
-        needed_s = np.minimum(angle * radius_m / robot.speed_m_s, TURNED_S) * (1 - SPEED_TOLERANCE)
-        from_charger = (stays_s > 0) & (stays_s >= needed_s)
-        angle[from_charger] = 0.0
-    corners = np.union1d(_real_corners(angle, noise), np.flatnonzero(from_charger))
-    # of each straight row of legs: its length, and how much its two corners take for a radius of 1
-    row_m = np.add.reduceat(lengths[legs], np.concatenate([[0], corners + 1]))
-    half = np.tan(np.minimum(angle[corners], math.pi / 2) / 2)
-    taken = np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
-    room_m = np.divide(row_m, taken, out=np.full(len(row_m), math.inf), where=taken > 0)
-    if trajectory.loop_duration_s > 0 and len(legs) > len(moving):
-        room_m[-1] = math.inf  # its end is that of the first round's last row
-        if trajectory.loop_index == 0:
-            room_m[0] = math.inf  # it begins before the seam
-    fits_m = np.minimum(room_m[:-1], room_m[1:])
-    sharp = angle[corners] > 2 * math.acos(1 / (1 + TURN_OFF_SHARE))
-    fits_m[sharp] = 0.0
+    # of a loop the second round's end is that of the first, and its begin may be before the seam
+    whole = (begins_whole and (first > 0 or not len(again)), not len(again))
+    charged_s = _charge_before_s(trajectory, legs) if trajectory.charges else np.zeros(len(legs) - 1)
+    corners, fits_m = _tight_corners(np.vstack([xy[legs], xy[legs[-1] + 1]]), charged_s, robot, whole)
     violations: dict[int, Violation] = {}
-    for k in np.flatnonzero(fits_m < radius_m * (1 - RADIUS_TOLERANCE)).tolist():
-        m = int(legs[corners[k]]) + 1
+    for corner, fit_m in zip(corners.tolist(), fits_m.tolist(), strict=True):
+        m = int(legs[corner]) + 1
         place, when = (xy[m, 0], xy[m, 1]), float(trajectory.times_s[m])
-        found = violation("turn radius", robot.name, place, when, float(fits_m[k]), radius_m, "m")
+        found = violation("turn radius", robot.name, place, when, fit_m, robot.turn_radius_m, "m")
         violations.setdefault(m, found)  # the second round of a loop has the same again
-    return list(violations.values())[:MOST_PER_ROBOT]
+    return list(violations.values())
+
+
+def _tight_corners(places_m: Floats, charged_s: Floats, robot: Robot, whole: tuple[bool, bool]) -> tuple[Ints, Floats]:
+    """The corners (c,) of a way past places (n + 2, 2) that are too tight, and the radius (c,) that each has room for.
+
+    charged_s: (n,) on a charger at each corner. whole: whether the first leg and the last one are no pieces. Places
+    beside tight corners are left out as long as the way past the others is within 1e-6 m of all: a curve that follows
+    that one follows them.
+    """
+    kept, off_m = np.arange(len(places_m)), np.zeros(len(places_m) - 1)
+    while True:
+        left_m = places_m[kept]
+        half, fits_m, turned = _corners_of(left_m, charged_s[kept[1:-1] - 1], robot, whole)
+        tight = np.flatnonzero(fits_m < robot.turn_radius_m * (1 - RADIUS_TOLERANCE))
+        if not len(tight):
+            return tight, fits_m[tight]
+        # places that the arcs of these corners would reach, each second one of a row of them
+        along_m = np.cumsum(np.hypot(*np.diff(left_m[:-1], axis=0).T))
+        reach_m, count = robot.turn_radius_m * half[tight], len(along_m) + 1
+        begins = np.searchsorted(along_m, along_m[tight] - reach_m)
+        ends = np.searchsorted(along_m, along_m[tight] + reach_m, side="right")
+        reached = np.cumsum(np.bincount(begins, minlength=count) - np.bincount(ends, minlength=count))[:-1] > 0
+        beside_m, _ = point_distances(left_m[1:-1], left_m[:-2], left_m[2:] - left_m[:-2])
+        beside_m += np.maximum(off_m[:-1], off_m[1:])
+        out = reached & ~turned & (beside_m <= TOUCH_M)
+        number = np.arange(len(out))
+        out &= (number - np.maximum.accumulate(np.where(out, -1, number))) % 2 == 1
+        if not out.any():
+            return kept[1:-1][tight] - 1, fits_m[tight]
+        off_m[:-1][out] = beside_m[out]
+        kept, off_m = kept[np.concatenate([[True], ~out, [True]])], off_m[np.append(True, ~out)]
+
+
+def _corners_of(
+    places_m: Floats, charged_s: Floats, robot: Robot, whole: tuple[bool, bool]
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Of the corners (n,) of a way past places (n + 2, 2): what each takes of its legs for a radius of 1, for which
+    radius they leave it room, and whether the robot is turned there; see ``_tight_corners``.
+    """
+    steps = np.diff(places_m, axis=0)
+    a, b = steps[:-1], steps[1:]
+    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+    needed_s = np.minimum(angle * robot.turn_radius_m / robot.speed_m_s, TURNED_S) * (1 - SPEED_TOLERANCE)
+    turned = (charged_s > 0) & (charged_s >= needed_s)
+    angle[turned] = 0.0
+    half = np.tan(np.minimum(angle, math.pi / 2) / 2)
+    taken = np.append(half, 0.0) + np.append(0.0, half)
+    room_m = np.divide(np.hypot(*steps.T), taken, out=np.full(len(taken), math.inf), where=taken > 0)
+    room_m[[0, -1]] = np.where(whole, room_m[[0, -1]], math.inf)
+    fits_m = np.minimum(room_m[:-1], room_m[1:])
+    fits_m[angle > 2 * math.acos(1 / (1 + TURN_OFF_SHARE))] = 0.0
+    return half, fits_m, turned
 
 
 def _charge_before_s(trajectory: Trajectory, legs: Ints) -> Floats:
@@ -139,14 +175,6 @@ def _charge_before_s(trajectory: Trajectory, legs: Ints) -> Floats:
     stays_s = until_s[after] - until_s[before + 1]
     over_seam_s = until_s[-1] - until_s[before + 1] + until_s[after] - until_s[trajectory.loop_index]
     return np.asarray(np.where(after > before, stays_s, over_seam_s))
-
-
-def _real_corners(angle: Floats, noise: Floats) -> Ints:
-    """Where (k,) legs are not in a straight row: turns beyond noise, and all of a row whose turns add up to a bend."""
-    beyond = angle > noise
-    row = np.cumsum(beyond)
-    added = np.bincount(row, weights=np.where(beyond, 0.0, angle))
-    return np.flatnonzero(beyond | (added[row] > STRAIGHT_RAD))
 
 
 def _turns_rad(steps: Floats, lengths: Floats, before: Ints, after: Ints, far_m: float) -> tuple[Floats, Floats]:
