@@ -329,6 +329,7 @@ def test_robots_leave_for_ground_that_matters(tmp_path: Path, capsys: pytest.Cap
     assert float(number[1]) / 100 == pytest.approx(share, abs=0.01)
 
 
+@pytest.mark.slow  # a swarm of the largest example
 def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan_file = tmp_path / "plan.json"
     assert run(["plan", str(EXAMPLES / "swarm-port.yaml"), "-o", str(plan_file)]) == 0

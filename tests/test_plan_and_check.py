@@ -297,6 +297,7 @@ def test_the_same_seed_gives_the_same_plan_bit_for_bit(yard_plan: rota.Plan) -> 
     assert (again.seed, again.lower_bound_robots) == (3, yard_plan.lower_bound_robots)
 
 
+@pytest.mark.slow  # a whole search again
 def test_another_seed_is_another_search(yard_plan: rota.Plan) -> None:
     other = rota.make_plan(YARD, seed=4)
     assert other.trajectories != yard_plan.trajectories

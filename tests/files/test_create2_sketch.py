@@ -265,6 +265,7 @@ def with_signal(desk: Desk, every_ms: int, folder: Path) -> Desk:
 
 
 @needs_tools
+@pytest.mark.slow  # hours of two simulated clocks
 def test_clocks_that_drift_are_set_by_a_common_pulse(tmp_path: Path) -> None:
     """One clock 3 % fast, one 3 % slow: 0.8 s apart when the second leg begins, unless a pulse every 5 s sets them.
 

@@ -146,7 +146,7 @@ def test_robots_of_other_loops_do_not_wait() -> None:
     assert flown.times_of("takes off", "robot-1")[-1] == pytest.approx(comes_s, abs=8.0)
 
 
-@pytest.mark.parametrize("body_m", [0.0, 0.1])
+@pytest.mark.parametrize("body_m", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_nobody_holds_for_a_late_launch_but_where_bodies_are_kept_apart(body_m: float) -> None:
     """One round each, 60 s of which the square is left alone; the first robot's battery alone fills too slowly."""
     plan = relieved(3, rounds=1)

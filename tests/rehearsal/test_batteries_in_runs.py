@@ -187,6 +187,7 @@ def test_the_table_and_json_tell_of_batteries() -> None:
     assert rota.draw_rehearsal(plan, made) is not None
 
 
+@pytest.mark.slow  # starts processes anew
 def test_processes_tell_the_same_of_batteries_as_threads() -> None:
     asked = {"hours": 0.5, "late_relief_s": 5.0, "speed_noise": 0.05, "failures_per_hour": 0.5, "runs": 8}
     with LocalProcesses(2) as executor:

@@ -135,7 +135,7 @@ def yard() -> Plan:
     return make_plan(YARD, seed=1)
 
 
-@pytest.mark.parametrize("seed", seeds(4, at_once=2))
+@pytest.mark.parametrize("seed", seeds(4, at_once=1))
 def test_random_losses_beside_time_sampling(yard: Plan, seed: int) -> None:
     random = np.random.default_rng(seed)
     names = [one.robot for one in yard]

@@ -64,7 +64,7 @@ def test_the_relay_is_met_and_a_spare_robot_changes_nothing() -> None:
     assert [check_plan(relay(spare)).verdict for spare in (False, True)] == ["met", "met"]
 
 
-@pytest.mark.parametrize("at_s", [10.0, 250.0])
+@pytest.mark.parametrize("at_s", [10.0, pytest.param(250.0, marks=pytest.mark.slow)])
 def test_a_spare_robot_takes_the_place_of_one_that_is_lost_in_flight(at_s: float) -> None:
     plan = relay(spare=True)
     found = replan(plan, at_s=at_s, lost=["a"])  # 10 m round the ring

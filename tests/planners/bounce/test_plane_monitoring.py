@@ -106,6 +106,7 @@ def test_a_margin_that_no_spacing_has_is_refused(pair: Plan) -> None:
         search_plan(hall(2, clock_drift=0.1, clock_signal_s=400.0))
 
 
+@pytest.mark.slow  # looks at every angle
 def test_zones_that_no_attracting_cycle_enters_are_named() -> None:
     with pytest.raises(MissionError, match="zones west, south: no attracting limit cycle of any robot enters them"):
         search_plan(hall(2, angle_deg=175.0))

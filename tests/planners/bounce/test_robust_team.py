@@ -28,6 +28,7 @@ def test_who_is_watched_as_well_is_ranked_by_the_time_to_the_first_contact() -> 
     assert robust_team.rank(found) == [1, 3, 0, 2]
 
 
+@pytest.mark.slow  # plays out many teams
 def test_the_chosen_team_keeps_no_less_than_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(robust_team, "CANDIDATES", 6)
     mission = mission_on(ROOM, 2, ZONES, turning_error_deg=1.0, bouncing_angles_deg=(90,))

@@ -70,6 +70,7 @@ def test_whatever_robots_wish_for_old_news_keep_them_apart(
             assert (np.minimum(between, side - between) >= bodies[:, None] - 1e-12).all()
 
 
+@pytest.mark.slow  # a thousand robots
 def test_without_the_widening_old_news_let_them_touch() -> None:
     swarm = swarm_of(dense_states(1000, 5, np.random.default_rng(7)), "settle", LATE_AND_LOSSY, seed=1)
     assert swarm._messages is not None

@@ -86,6 +86,7 @@ def test_fleets_are_tried_with_the_least_effort_before_the_cheapest_is_planned_i
     assert check_plan(plan).verdict == "met"
 
 
+@pytest.mark.slow  # a whole search
 def test_a_kind_that_is_too_few_to_do_it_alone_is_not_tried_alone() -> None:
     long = replace(CORRIDOR, area=MultiPolygon([box(0, 0, 800, 10)]))
     mission = with_kinds(long, Kind(name="slow", cost=1, most=1, speed_m_s=5), Kind(name="fast", cost=2))

@@ -79,6 +79,7 @@ def test_after_four_of_sixteen_are_killed_the_rest_close_the_gap() -> None:
     assert air.least_gap_m() > 0
 
 
+@pytest.mark.slow  # the same with squares
 def test_robots_with_squares_close_the_gap_as_well() -> None:
     covers = []
     for count, killed in ((16, 4), (12, 0)):

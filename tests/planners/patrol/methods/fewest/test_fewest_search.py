@@ -140,6 +140,7 @@ def test_more_effort_over_scanned_ground_gives_what_quick_finds_and_sets_up_noth
     assert plan.lower_bound_robots == quick.lower_bound_robots
 
 
+@pytest.mark.slow  # a scanned floor by two efforts
 def test_more_effort_over_scanned_ground_goes_on_where_quick_finds_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     efforts = set_up_for(monkeypatch)
     plan = planned(

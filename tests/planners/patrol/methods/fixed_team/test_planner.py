@@ -118,6 +118,7 @@ def test_more_effort_never_gives_a_greater_ratio(
     assert plan.mission is search.problem.mission
 
 
+@pytest.mark.slow  # a whole search
 def test_the_first_plan_of_a_team_with_time_to_spare_is_lanes_from_its_starts() -> None:
     starts = [(1.0, 1.0), (3.0, 1.0)]
     robots = [Robot(name=name, start=start) for name, start in zip(("ann", "bob"), starts, strict=True)]

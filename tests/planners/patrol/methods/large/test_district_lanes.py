@@ -88,6 +88,7 @@ def test_periods_too_short_for_boxes_are_met_by_loops_that_many_share(problem: P
     assert sum(tour.robots for tour in tours) <= 1.4 * 23.3
 
 
+@pytest.mark.slow  # lanes for bodies over two large fields
 def test_robots_with_bodies_share_loops_that_keep_apart_and_no_other_routes() -> None:
     bodies = replace(FIELD, fleet=replace(FIELD.fleet, body_radius_m=0.2))
     alone = set_up_problem(bodies)

@@ -91,6 +91,7 @@ def test_districts_searched_by_themselves_give_one_plan() -> None:
     assert met(repair_together(context, by_districts(context, fewest_robots, missions)).plan)
 
 
+@pytest.mark.slow  # starts processes anew
 def test_other_processes_find_the_same_tours_of_districts() -> None:
     context = search_on(STREETS)
     missions = missions_of(STREETS, 2, 16.0)

@@ -18,6 +18,7 @@ from rota.planners.patrol.planner_settings import Method, PatrolSettings
 from rota.routes.distinct_loops import distinct_loops
 
 TRADITIONAL: tuple[Method, ...] = ("parallel", "sequential", "decomposition")
+ONE_AT_ONCE = ("parallel", *(pytest.param(name, marks=pytest.mark.slow) for name in TRADITIONAL[1:]))  # searches
 YARD = Mission(
     name="yard",
     area=MultiPolygon([box(0, 0, 60, 40)]),
@@ -86,7 +87,7 @@ def test_parallel_lanes_have_one_direction() -> None:
     assert np.abs(np.sin(turn - turn[0])).max() < 1e-6
 
 
-@pytest.mark.parametrize("method", TRADITIONAL)
+@pytest.mark.parametrize("method", ONE_AT_ONCE)
 def test_parts_bodies_visits_turning_and_square_sensors(method: Method) -> None:
     mission = replace(
         YARD,
