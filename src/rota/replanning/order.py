@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 RATIO_DIGITS, LATE_DIGITS = 2, 1  # to which plans are compared: sample points are no nearer to the worst ones
 LOOP_POINTS = 100  # of each demand at which it is seen what depends on a loop
+SOON = 2.0  # longest periods: when all hold again within so many, how late places are matters more than how long
 NEARLY = 1 + 1e-6  # so many times its period a gap is met for ever, as far as sample points go
 
 Rank = tuple[float, ...]
@@ -38,12 +39,15 @@ def levels_of(mission: Mission) -> list[frozenset[str]]:
 class Order:
     """Ranks of plans of a mission.
 
-    Plans that meet all come first, then those whose more important demands miss less: level by level less ground that
-    is never seen, and then the least worst ratio of gap to period.
+    Plans that meet all come first, of these such after which all periods hold again soon; then those whose more
+    important demands miss less: level by level less ground that is never seen, and then the least worst ratio of gap to
+    period.
     """
 
     def __init__(self, mission: Mission) -> None:
         self._mission, self.levels = mission, levels_of(mission)
+        periods_s = [mission.period_s or 0.0, *(zone.period_s or 0.0 for zone in mission.zones)]
+        self._soon_s = SOON * max(periods_s)
 
     def for_ever(self, demands: Sequence[ForEver]) -> Rank:
         """What loops alone decide, level by level: ground that is never seen, and the worst ratio; 0: all is met."""
@@ -67,16 +71,17 @@ class Order:
             return *self.of_report(report), worst_s, changed
         again_s = math.inf if late.holds_again_s is None else late.holds_again_s
         again_s = round(again_s, LATE_DIGITS) if math.isfinite(again_s) else again_s
-        return *self.of_report(report), worst_s, again_s, changed, late.late_m2_s
+        return *self.of_report(report), again_s > self._soon_s, worst_s, again_s, changed, late.late_m2_s
 
     def of_sample(self, sample: LateSample, changed: int) -> Rank:
         """The rank of a plan as far as sample points tell."""
-        late = round(sample.worst_s, LATE_DIGITS), round(sample.last_s, LATE_DIGITS)
+        last_s = round(sample.last_s, LATE_DIGITS) if math.isfinite(sample.last_s) else sample.last_s
+        late = last_s > self._soon_s, round(sample.worst_s, LATE_DIGITS), last_s
         return *self.for_ever(sample.for_ever), *late, changed, sample.late_m2_s
 
     def is_on_time(self, sampled: Rank) -> bool:
         """Whether sample points tell that all is met and nothing late: then others can change fewer ways at best."""
-        return not any(sampled[: 2 * len(self.levels) + 2])
+        return not any(sampled[: 2 * len(self.levels) + 3])
 
     def ease_less_important(self, count: int, times: float) -> Mission:
         """The mission whose demands but those of so many levels have so many times their periods; inf: none at all."""

@@ -71,8 +71,8 @@ def replan(
     that remain. None: as in the plan. battery: how full batteries are, 0 to 1: of robots that join, full unless said,
     and of others where it is less than the plan leaves them. The new plan holds what was driven before
     (``Plan.seam``), so that the check judges every window across the change. Among plans whose loops meet every demand
-    that is best whose latest place is late least, then the one after which all periods hold soonest, then the one that
-    keeps most robots on their ways.
+    that is best after which all periods hold again within two of the longest one, then the one whose latest place is
+    late least, then the one after which they hold soonest, then the one that keeps most robots on their ways.
     Where none does, that is best which leaves least ground unseen, and then has the least worst ratio; the outcome's
     report then says "violated".
 
@@ -133,7 +133,7 @@ class _Search:
     @property
     def is_done(self) -> bool:
         """Whether no plan can be better: all is met, and nothing is late."""
-        return self._best is not None and self._rank[:3] == (0.0, 0.0, 0.0)
+        return self._best is not None and self._rank[:4] == (0.0, 0.0, 0.0, 0.0)
 
     def outcome(self, stopped: bool) -> Replanned:
         """The best plan; NoPlanFound where there is none."""

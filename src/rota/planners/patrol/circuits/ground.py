@@ -26,7 +26,7 @@ from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.driving.driving import driving_of
-from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady
 from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fixed_team.one_loop import ample_s
@@ -206,7 +206,9 @@ def _in_motion(line_m: Floats, robot: Robot) -> TimedLine:
     line_m = without_short_legs(line_m)
     if len(line_m) == 1:
         return steady(np.zeros(1), line_m)
-    return Rounded(robot).way(line_m, cuts=True) if robot.motion.has_mass else timed_approach(line_m, robot).line
+    return (
+        driving_with_mass(robot).way(line_m, cuts=True) if robot.motion.has_mass else timed_approach(line_m, robot).line
+    )
 
 
 def least_on_circuits(mission: Mission, busy_per_s: float) -> float:

@@ -13,7 +13,7 @@ from rota.model.mission import Robot
 from rota.planners.patrol.driving.at_once import AtOnce
 from rota.planners.patrol.driving.auto import Auto
 from rota.planners.patrol.driving.corner_costs import CornerCosts
-from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.vehicles.models import MODELS
 from rota.vehicles.presets import vehicle_within
@@ -70,4 +70,4 @@ def driving_of(robot: Robot) -> Driving:
         return AtOnce(robot)
     if robot.motion.vehicle in MODELS:
         return Auto(robot, MODELS[robot.motion.vehicle](vehicle_within(robot.motion)))
-    return Rounded(robot)
+    return driving_with_mass(robot)

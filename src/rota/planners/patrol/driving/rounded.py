@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -103,6 +104,12 @@ class Rounded:
         if speed_m_s < 1e-3:  # at rest
             return steady(np.zeros(1), place_m[None])
         return _line(kernels.run_up(*place_m, *direction, min(speed_m_s, self.limits.speed_m_s), self.limits))
+
+
+@functools.lru_cache(maxsize=64)
+def driving_with_mass(robot: Robot) -> Rounded:
+    """What a robot with mass can do: made once for all its ways."""
+    return Rounded(robot)
 
 
 def _line(rows: Floats) -> TimedLine:

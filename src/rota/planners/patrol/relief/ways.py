@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rota.errors import PlanError
 from rota.geometry.kernels import free_segments
 from rota.model.mission import Robot
-from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
 from rota.planners.patrol.tolerances import SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
@@ -57,13 +57,17 @@ class Way:
 
 
 class Ways:
-    """The ways of robots of one kind between chargers and places of rounds."""
+    """The ways of robots of one kind between chargers and places of rounds; ``paths`` are the shortest ones."""
 
     def __init__(self, robot: Robot, paths_by_body: PathsByBody) -> None:
         self._robot, self._paths_by_body = robot, paths_by_body
-        self._paths = paths_by_body.paths(robot.body_radius_m)
+        self.paths = paths_by_body.paths(robot.body_radius_m)
         self._at_once = robot.turns_at_once
         self._known: dict[bytes, Way | None] = {}
+
+    def straight_s(self, chargers_m: Floats, places_m: Floats) -> Floats:
+        """How long the shortest ways take (c, k) from chargers (c, 2) to places (k, 2) at full speed all the way."""
+        return np.asarray(self.paths.distances(chargers_m, places_m) / self._robot.ground_speed_m_s)
 
     def last_s(self, line: TimedLine, phases_s: Floats, chargers_m: Floats, slower: float) -> Floats:
         """How long ways take (c, k) from chargers (c, 2) into a round at its phases (k,), or back, whichever is longer.
@@ -71,7 +75,7 @@ class Ways:
         slower: by how much longer than ``line`` its rounds may take. inf: no way leads there, or it was not looked for,
         since there are nearer ones and a battery lasts for whole rounds.
         """
-        straight_s = self._paths.distances(chargers_m, line.at(phases_s)) / self._robot.ground_speed_m_s
+        straight_s = self.straight_s(chargers_m, line.at(phases_s))
         if self._at_once:
             return straight_s
         both = list(zip(*(motions_of(line, phases_s, before=before) for before in (False, True)), strict=True))
@@ -103,7 +107,7 @@ class Ways:
         """The way from a charger to where a round is at a phase, on or backwards from there."""
         [at] = motions_of(line, np.array([phase_s]), before=before)
         if self._at_once:
-            way_m = self._paths.path(charger_m, at.place_m)
+            way_m = self.paths.path(charger_m, at.place_m)
             return steady(_shares(way_m) * lasts_s, way_m)
         way = self.way(charger_m, at)
         assert way is not None, "a handover with a way has one"
@@ -123,8 +127,8 @@ class Ways:
             return None
         run_up = steady(np.zeros(1), at.place_m[None])
         if self._robot.motion.has_mass and at.direction is not None:
-            run_up = Rounded(self._robot).run_up(at.place_m, at.direction, at.speed_m_s)
-            if not free_segments(run_up.places_m[:1], at.place_m[None], self._paths.grid)[0]:
+            run_up = driving_with_mass(self._robot).run_up(at.place_m, at.direction, at.speed_m_s)
+            if not free_segments(run_up.places_m[:1], at.place_m[None], self.paths.grid)[0]:
                 return None
         begins_m = run_up.places_m[0]
         if np.hypot(*(begins_m - charger_m)) <= SAME_PLACE_M:
@@ -134,7 +138,7 @@ class Ways:
             line_m = self._paths_by_body.line(self._robot, charger_m, begins_m, onward_m)
         except PlanError:
             return None
-        if self._robot.turn_radius_m and not free_segments(line_m[:-1], line_m[1:], self._paths.grid).all():
+        if self._robot.turn_radius_m and not free_segments(line_m[:-1], line_m[1:], self.paths.grid).all():
             return None
         line = timed_approach(line_m, self._robot, None if self._robot.turn_radius_m else onward_m).line
         return Way(line=self._with_turn(line, onward_m), run_up=run_up)
@@ -144,7 +148,7 @@ class Ways:
         radius_m = self._robot.turn_radius_m
         if radius_m > 0:
             return at.aside_s * at.speed_m_s < radius_m * STEP_RAD
-        return self._robot.motion.has_mass and at.aside_s < Rounded(self._robot).step_s / 2
+        return self._robot.motion.has_mass and at.aside_s < driving_with_mass(self._robot).step_s / 2
 
     def _with_turn(self, line: TimedLine, onward_m: Floats | None) -> TimedLine:
         """The line of a robot with mass, with the time to turn on to its run-up; others have it in their lines."""
@@ -153,7 +157,7 @@ class Ways:
         steps_m = np.diff(line.places_m, axis=0)
         before, after = steps_m[np.hypot(*steps_m.T) > 0][-1], onward_m - line.places_m[-1]
         turn_rad = abs(math.atan2(before[0] * after[1] - before[1] * after[0], before @ after))
-        pause_s = turn_rad * Rounded(self._robot).limits.turn_s
+        pause_s = turn_rad * driving_with_mass(self._robot).limits.turn_s
         return chain(line, steady(np.array([0.0, pause_s]), line.places_m[[-1, -1]])) if pause_s > 0 else line
 
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.mission import Charger, Robot
+from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady
+from rota.planners.patrol.handover.charging.flyers import Arrival, Flyer
+from rota.planners.patrol.handover.charging.landed import Landed
 from rota.planners.patrol.handover.charging.needs import Needs
 from rota.planners.patrol.handover.charging.timetables import Round, begin_at
+from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 
 Floats = NDArray[np.float64]
@@ -24,76 +26,18 @@ Floats = NDArray[np.float64]
 POINTS = 240  # of a round at which robots may come into it, beside its corners
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Transfer:
-    """How a robot that lands on one charger goes on to another, by ``way``, from ``leaves_s`` on or later.
-
-    level_s: with how much left it comes there then. fills_s: how long charging for the way takes there.
-    """
-
-    charger: Charger
-    way: TimedLine
-    leaves_s: float
-    level_s: float
-    fills_s: float
-
-    def by(self, ready_s: float) -> float:
-        """When it leaves to be charged again at a time, as late as can be: its place there may not be free sooner."""
-        return max(self.leaves_s, ready_s - self.fills_s - self.way.duration_s)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Flyer:
-    """A robot when the plan takes over: where, (2,) metres, with how much left, and on which charger; None: on none.
-
-    lands: the rest of its flight, as it drives it whatever follows, of a robot that cannot turn or change its speed at
-    once; the place, the level and the charger are those at its end. None: it can go anywhere at once. transfers: what
-    it can drive on from there to other chargers. lands_s, climbs_s: how long it has still to land on the charger on
-    which it is, and to climb before it can leave that.
-    """
-
-    robot: Robot
-    place_m: Floats
-    level_s: float
-    charger: Charger | None
-    lands: TimedLine | None = None
-    transfers: tuple[Transfer, ...] = ()
-    lands_s: float = 0.0
-    climbs_s: float = 0.0
-
-    def level_after_s(self, level_s: Floats | float, stays_s: Floats, charger: Charger) -> Floats:
-        """The level after so many seconds of charging at a charger; nan for less than none."""
-        full_s = self.robot.battery.endurance_s or math.inf
-        if charger.swap_s is not None:
-            after_s = np.where(stays_s > charger.swap_s, full_s, level_s)
-        else:
-            fill = full_s / (self.robot.battery.recharge_s or math.inf)
-            after_s = np.minimum(level_s + fill * stays_s, full_s)
-        return np.where(stays_s >= 0, after_s, np.nan)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Arrival:
-    """How a robot comes into a round: so far round at ``joins_s``, from ``leaves_s`` on, by way of a charger, if any.
-
-    unserved_s: how long nobody flies in its place until then; inf: it never can, as by default.
-    """
-
-    joins_s: float = math.inf
-    phase_s: float = 0.0
-    leaves_s: float = 0.0
-    via: Charger | None = None
-    unserved_s: float = math.inf
-
-
 class Arrivals:
-    """How each of some robots can come into one round, at each of its places."""
+    """How each of some robots can come into one round, at each of its places.
+
+    moving: those that have to land first may come into the round as it moves, not on its chargers alone.
+    """
 
     def __init__(
-        self, round_: Round, flyers: Sequence[Flyer], chargers: tuple[Charger, ...], paths: ShortestPaths
+        self, round_: Round, flyers: Sequence[Flyer], chargers: tuple[Charger, ...], ways: Ways, *, moving: bool = True
     ) -> None:
-        self.round, self._flyers, self._chargers, self._paths = round_, flyers, chargers, paths
+        self.round, self._flyers, self._chargers, self._ways, self._paths = round_, flyers, chargers, ways, ways.paths
         self._way, self._lasts_s = round_.way, round_.way.loop_duration_s
+        self._moving = moving
         self._needs = Needs(round_.way, flyers[0].robot, chargers)
         self._speed_m_s = flyers[0].robot.ground_speed_m_s * SLOWER
 
@@ -121,16 +65,11 @@ class Arrivals:
         """From each robot to each charger."""
         return self._travel_to(np.array([one.at for one in self._chargers]))[: len(self._flyers)]
 
-    def _service_s(self, phases_s: Floats) -> Floats:
-        """For how long the round is flown from its time 0 to moments of it, those of later rounds as well."""
-        if self._lasts_s == 0:
-            return np.zeros(len(phases_s))
-        legs_s = np.where(self._needs.docked, 0.0, np.diff(self._way.times_s))
-        known_s = np.append(0.0, np.cumsum(legs_s))
-        rounds = np.floor(phases_s / self._lasts_s)
-        return np.asarray(
-            rounds * known_s[-1] + np.interp(phases_s - rounds * self._lasts_s, self._way.times_s, known_s)
-        )
+    @cached_property
+    def _landed(self) -> Landed:
+        landed = Landed(self.round, self._needs, self._phases_s, self._chargers, self._ways)
+        landed.moving = self._moving
+        return landed
 
     def arrival(self, k: int, now_s: float) -> Arrival:
         """The first that the k-th robot can make it into the round, which is so far on at the time 0."""
@@ -141,8 +80,13 @@ class Arrivals:
         moments_s[moments_s > lasts_s - SHORTEST_S] = 0.0
         order = np.argsort(moments_s, kind="stable")
         if self._flyers[k].lands is not None:
-            return self._first_landed(self._flyers[k], now_s, moments_s[order], order)
+            return self._landed.first(self._flyers[k], now_s, moments_s[order], order)
         return self._first(k, now_s, moments_s[order], self._travel_s[:, order])
+
+    def behind(self, k: int, now_s: float) -> Arrival | None:
+        """How the k-th robot can come into the flight that the round is on, late, and leave nothing out; None: not."""
+        one = self._flyers[k]
+        return None if one.lands is None else self._landed.behind(one, now_s)
 
     def finer(self, k: int, now_s: float, arrival: Arrival) -> Arrival:
         """The same nearer to the first moment at which it can be."""
@@ -159,7 +103,7 @@ class Arrivals:
         """The first of moments (n,) at which the k-th robot can be there with enough left."""
         one, count = self._flyers[k], len(self._flyers)
         if one.lands is not None:
-            return self._first_landed(one, now_s, moments_s, None)
+            return self._landed.first(one, now_s, moments_s, None)
         phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
         if travel_s is None:
             travel_s = self._travel_to(self._way.at(phases_s))
@@ -186,7 +130,7 @@ class Arrivals:
                 left_s = one.level_after_s(there_s, charges_s, charger) - takeoff_s * leaves
             is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - SHORTEST_S, needs_s)
             if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
-                served_s = self._service_s(np.array([now_s, now_s + moments_s[first]]))
+                served_s = self._needs.service_s(np.array([now_s, now_s + moments_s[first]]))
                 best = Arrival(
                     joins_s=float(moments_s[first]), phase_s=float(phases_s[first]), via=via,
                     leaves_s=float(max(0.0, moments_s[first] - way_s[first])),
@@ -194,73 +138,19 @@ class Arrivals:
                 )  # fmt: skip
         return best
 
-    def _first_landed(self, one: Flyer, now_s: float, moments_s: Floats, order: NDArray[np.int64] | None) -> Arrival:
-        """The first of moments at which a robot is on a charger of the round as that is there: where it lands, if any.
-
-        order: numbers of the round's known phases, of which these are the moments; None: of others.
-        """
-        assert one.lands is not None, f"{one.robot.name} lands nowhere"
-        assert one.charger is not None, f"{one.robot.name} lands nowhere"
-        if self._chargers.index(one.charger) in self._docks_of_round:
-            lands_s = one.lands_s if one.lands.duration_s == 0 else one.robot.battery.landing_s
-            ready_s = one.lands.duration_s + lands_s
-            return self._first_on_charger(one, one.charger, one.level_s, ready_s, (now_s, moments_s, order))
-        best = Arrival()
-        for each in one.transfers:
-            ready_s = each.leaves_s + each.way.duration_s + one.robot.battery.landing_s
-            found = self._first_on_charger(one, each.charger, each.level_s, ready_s, (now_s, moments_s, order))
-            if found.joins_s < best.joins_s:
-                best = replace(found, via=each.charger)
-        return best
-
-    @cached_property
-    def _docks_of_round(self) -> frozenset[int]:
-        """The chargers, by their numbers, at which the round is at some time."""
-        return frozenset(self._needs.docks_at(self._phases_s).tolist()) - {-1}
-
-    @cached_property
-    def _on_ground(self) -> tuple[NDArray[np.int64], Floats]:
-        """At which charger the round is at the known phases (k,), and what is needed there of one that has landed."""
-        landed = np.zeros(len(self._phases_s), np.bool_)
-        return self._needs.docks_at(self._phases_s), self._needs.at(self._phases_s, lands=landed)
-
-    def _first_on_charger(
-        self, one: Flyer, charger: Charger, level_s: float, ready_s: float,
-        asked: tuple[float, Floats, NDArray[np.int64] | None],
-    ) -> Arrival:  # fmt: skip
-        """The first moment at which the round is on the charger at which a robot charges from some time on.
-
-        asked: how far on the round is at the time 0, the moments, and their numbers as ``_first_landed`` has them.
-        """
-        now_s, moments_s, order = asked
-        if self._lasts_s == 0:
-            moments_s, order = np.array([ready_s]), None
-        if order is None:
-            phases_s = np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else np.zeros(len(moments_s))
-            docks = self._needs.docks_at(phases_s)
-            needs_s = self._needs.at(phases_s, lands=np.zeros(len(phases_s), np.bool_))
-        else:
-            phases_s, docks, needs_s = self._phases_s[order], self._on_ground[0][order], self._on_ground[1][order]
-        left_s = one.level_after_s(level_s, moments_s - ready_s, charger)
-        is_enough = (docks == self._chargers.index(charger)) & (left_s >= needs_s)
-        if not is_enough.any():
-            return Arrival()
-        first = int(np.argmax(is_enough))
-        joins_s, served_s = float(moments_s[first]), self._service_s(np.array([now_s, now_s + moments_s[first]]))
-        return Arrival(
-            joins_s=joins_s, phase_s=float(phases_s[first]), leaves_s=joins_s,
-            unserved_s=float(served_s[1] - served_s[0]),
-        )  # fmt: skip
-
     def trajectory(self, k: int, arrival: Arrival, battery: float) -> Trajectory:
         """What the k-th robot flies that comes into the round so."""
         one, way = self._flyers[k], begin_at(self._way, arrival.phase_s)
         if one.lands is not None and one.charger is not None:
             line = _Line(one.lands, self._paths)
-            if (moves := next((each for each in one.transfers if each.charger is arrival.via), None)) is not None:
+            moves = next((each for each in one.transfers if each.charger is arrival.via), None)
+            if moves is not None and arrival.enters is None:
                 leaves_s = moves.by(arrival.joins_s - one.robot.battery.landing_s)
                 line.stay(leaves_s, one.charger.name)
                 line.follow(moves.way)
+            if arrival.enters is not None:
+                line.stay(arrival.leaves_s, one.charger.name)
+                line.follow(arrival.enters)
             line.stay(arrival.joins_s, (arrival.via or one.charger).name)
             return line.lead_into(one.robot.name, way, arrival.joins_s, battery)
         way_m, joins_s = way.positions_m[0, :2], arrival.joins_s

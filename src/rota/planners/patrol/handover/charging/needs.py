@@ -20,7 +20,7 @@ class Needs:
         self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
         self._lands_s, self._climbs_s = robot.battery.landing_s, robot.battery.climbing_s
         takeoff_s = robot.battery.departure_s
-        self.docked = self._legs.docks >= 0
+        self.docked, self._way = self._legs.docks >= 0, way
         count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
         if way.loop_duration_s > 0:
             for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
@@ -59,3 +59,13 @@ class Needs:
         needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
         swapped = legs.leaves_s[leg] - phases_s - lands_s - self._climbs_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
         return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
+
+    def service_s(self, phases_s: Floats) -> Floats:
+        """For how long the round is flown from its time 0 to moments of it (k,), those of later rounds as well."""
+        lasts_s = self._way.loop_duration_s
+        if lasts_s == 0:
+            return np.zeros(len(phases_s))
+        legs_s = np.where(self.docked, 0.0, np.diff(self._way.times_s))
+        known_s = np.append(0.0, np.cumsum(legs_s))
+        rounds = np.floor(phases_s / lasts_s)
+        return np.asarray(rounds * known_s[-1] + np.interp(phases_s - rounds * lasts_s, self._way.times_s, known_s))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,8 @@ from rota.geometry.free_space import free_ground
 from rota.model.mission import TOUCH_M, Charger, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.handover.charging.arrivals import Arrivals, Flyer, Transfer
+from rota.planners.patrol.handover.charging.arrivals import Arrivals
+from rota.planners.patrol.handover.charging.flyers import Arrival, Flyer, Transfer, fills_s, flight_left
 from rota.planners.patrol.handover.charging.timetables import (
     FAR,
     Round,
@@ -28,10 +31,9 @@ from rota.planners.patrol.handover.charging.timetables import (
 )
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
 from rota.planners.patrol.relief.ways import Motion, Ways
-from rota.planners.patrol.tolerances import SAME_ROUND, SHORTEST_S
+from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
-from rota.routes.charging_legs import charging_legs
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +50,15 @@ def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:
             yield from takeover.plans(rounds)
 
 
+class _Taken(NamedTuple):
+    """The k-th robot comes into a round that is so far on now."""
+
+    k: int
+    own: Arrivals
+    now_s: float
+    arrival: Arrival
+
+
 class _Takeover:
     """The robots that remain, and what they are to fly."""
 
@@ -55,8 +66,7 @@ class _Takeover:
         self._asked, self._mission = asked, asked.mission
         robots = asked.mission.fleet.robots or ()
         self._robot = max(robots, key=lambda robot: robot.body_radius_m)
-        by_body = PathsByBody(asked.mission)
-        self._paths, self._ways = by_body.paths(self._robot.body_radius_m), Ways(self._robot, by_body)
+        self._ways = Ways(self._robot, PathsByBody(asked.mission))
         self._flyers = [self._flyer(robot) for robot in robots]
 
     def _flyer(self, robot: Robot) -> Flyer:
@@ -75,15 +85,10 @@ class _Takeover:
             return self._comes_to_a_charger(now)
         if not line.charges:
             return now
-        rows = int(np.searchsorted(line.times_s, line.charges[0].from_s)) + 1
-        changes = np.zeros(rows - 1) if line.accelerations_m_s2 is None else line.accelerations_m_s2[: rows - 1]
-        lands = TimedLine(line.times_s[:rows], line.positions_m[:rows, :2], changes)
-        used_s = charging_legs(line, robot, self._mission.chargers).uses[: rows - 1] * np.diff(lands.times_s)
-        charger = next(one for one in self._mission.chargers if one.name == line.charges[0].charger)
+        lands, used_s, charger = flight_left(line, robot, self._mission.chargers)
         return self._with_transfers(
-            replace(now, place_m=lands.places_m[-1], level_s=now.level_s - float(used_s.sum()), charger=charger,
-                    lands=lands)
-        )  # fmt: skip
+            replace(now, place_m=lands.places_m[-1], level_s=now.level_s - used_s, charger=charger, lands=lands)
+        )
 
     def _with_transfers(self, one: Flyer) -> Flyer:
         """A robot that is on a charger in the end, with its ways to others: it leaves as soon as it has climbed.
@@ -100,13 +105,13 @@ class _Takeover:
                 continue
             used_s = battery.departure_s + way.duration_s * max(1.0, battery.standing_uses)
             lacks_s = max(battery.reserve_s + used_s - one.level_s, 0.0)
-            charges_s = _fills_s(one.robot, one.charger, lacks_s)
+            charges_s = fills_s(one.robot, one.charger, lacks_s)
             if used_s > battery.usable_s or not math.isfinite(charges_s):
                 continue
             found.append(
                 Transfer(
                     charger=other, way=way, leaves_s=begins_s + grounding_s + charges_s,
-                    level_s=one.level_s + lacks_s - used_s, fills_s=_fills_s(one.robot, other, used_s),
+                    level_s=one.level_s + lacks_s - used_s, fills_s=fills_s(one.robot, other, used_s),
                 )
             )  # fmt: skip
         return replace(one, transfers=tuple(found))
@@ -214,43 +219,57 @@ class _Takeover:
         return found
 
     def plans(self, rounds: Sequence[Round]) -> Iterator[Plan]:
-        """Plans in which robots fly these rounds, with the clock of all shifted or not: better and better ones."""
-        arrivals = [Arrivals(one, self._flyers, self._mission.chargers, self._paths) for one in rounds]
-        found = list[tuple[tuple[float, ...], float, Plan]]()
-
-        def look(late_s: float) -> float:
-            """Note the plan with all rounds so much later, and tell how long some place in them is empty."""
-            plan, longest_s = self._plan(arrivals, late_s)
-            if plan is not None:
-                found.append((self._asked.lateness(plan), late_s, plan))
-            return longest_s
-
-        empty_s = look(0.0)
-        if found and empty_s > 0:
-            yield found[0][2]  # who is on a flight has to end it, and nobody need be missed meanwhile
+        """Plans in which robots fly these rounds: better and better ones."""
+        lands = not all(one.robot.turns_at_once for one in self._flyers)
+        for moving in (True, False) if lands else (True,):
+            chargers = self._mission.chargers
+            arrivals = [Arrivals(one, self._flyers, chargers, self._ways, moving=moving) for one in rounds]
+            taken = self._assign(arrivals, 0.0)
+            found = self._ranks(taken)
+            yield from (plan for _, plan in found)
+            empty_s = max((each.arrival.unserved_s for each in taken), default=0.0)
+            if found and empty_s <= 0:
+                return
+            if not any(each.arrival.enters is not None for each in taken):
+                break
         if not found:
-            turns_s = [round_.turn_s for round_ in rounds if round_.turn_s > 0]
-            empty_s = max(turns_s, default=0.0)
-        if empty_s <= 0:
-            yield from (plan for _, _, plan in found)
-            return
+            empty_s = max((round_.turn_s for round_ in rounds), default=0.0)
+        if empty_s > 0:
+            yield from self._shift(arrivals, empty_s, [(rank, 0.0, plan) for rank, plan in found])
+
+    def _shift(
+        self, arrivals: Sequence[Arrivals], empty_s: float, found: list[tuple[tuple[float, ...], float, Plan]]
+    ) -> Iterator[Plan]:
+        """Plans with the clock of all rounds shifted by so much at most, better and better ones.
+
+        Who is on a flight has to end it, and nobody need be missed meanwhile. found: how late plans are that there are
+        already, with shifts, and they themselves.
+        """
+
+        def look(late_s: float) -> None:
+            """Note the plan with all rounds so much later."""
+            found.extend((rank, late_s, plan) for rank, plan in self._ranks(self._assign(arrivals, late_s)))
+            found.sort(key=lambda one: one[:2])
+
         step_s = empty_s / PHASES
         for late_s in step_s * np.arange(1, PHASES + 1):
             look(float(late_s))
         for _ in range(HALVINGS):
             if not found:
                 return
-            found.sort(key=lambda one: one[:2])
             best_s, step_s = found[0][1], step_s / 2
             yield found[0][2]
             for late_s in (best_s - step_s, best_s + step_s):
                 if late_s >= 0:
                     look(late_s)
-        found.sort(key=lambda one: one[:2])
         yield from (plan for _, _, plan in islice(found, 3))
 
-    def _plan(self, arrivals: Sequence[Arrivals], late_s: float) -> tuple[Plan | None, float]:
-        """The plan in which roles in rounds, so much later, are empty for least time, and for how long one is."""
+    def _ranks(self, taken: Sequence[_Taken]) -> list[tuple[tuple[float, ...], Plan]]:
+        """Plans of robots that take roles, the least late first, with how late they are."""
+        return sorted(((self._asked.lateness(plan), plan) for plan in self._plans_of(taken)), key=lambda one: one[0])
+
+    def _assign(self, arrivals: Sequence[Arrivals], late_s: float) -> list[_Taken]:
+        """Who takes which role in rounds, so much later, so that they are empty for least time; nothing: nobody can."""
         roles = [
             (own, (number * own.round.turn_s - late_s) % (own.round.way.loop_duration_s or 1.0))
             for own in arrivals
@@ -259,34 +278,39 @@ class _Takeover:
         every = [[own.arrival(k, now_s) for own, now_s in roles] for k in range(len(self._flyers))]
         # how soon a robot is in its round counts only where nobody is missed
         costs = [[min(one.unserved_s + 1e-3 * min(one.joins_s, FAR), FAR) for one in row] for row in every]
-        who, which = linear_sum_assignment(np.array(costs))
-        if any(costs[k][role] >= FAR for k, role in zip(who, which, strict=True)):
-            return None, 0.0
-        lines: dict[str, Trajectory] = {}
-        for k, role in zip(who, which, strict=True):
-            (own, now_s), name = roles[role], self._flyers[k].robot.name
-            arrival = own.finer(k, now_s, every[k][role])
-            try:
-                line = own.trajectory(k, arrival, self._asked.batteries[name])
-            except PlanError:  # ways so short that their times are one but for rounding
-                return None, 0.0
-            before = self._asked.going_on.get(name)
-            lines[name] = line if before is None or not _is_same(before, line) else before
-        longest_s = max(every[k][role].unserved_s for k, role in zip(who, which, strict=True))
-        plan = Plan(
-            mission=self._mission, seed=self._asked.seed, seam=self._asked.seam,
-            trajectories=tuple(lines[robot.name] for robot in self._mission.fleet.robots or ()),
-        )  # fmt: skip
-        return plan, longest_s
+        pairs = list(zip(*linear_sum_assignment(np.array(costs)), strict=True))
+        if any(costs[k][role] >= FAR for k, role in pairs):
+            return []
+        return [
+            _Taken(int(k), own, now_s, own.finer(k, now_s, every[k][role]))
+            for k, role in pairs
+            for own, now_s in [roles[role]]
+        ]
 
+    def _plans_of(self, taken: Sequence[_Taken]) -> Iterator[Plan]:
+        """The plan in which robots catch up with rounds that move, and one in which they are behind for a flight."""
+        if not taken:
+            return
+        behind = [self._behind(each) for each in taken]
+        for each in (taken, behind) if any(a is not b for a, b in zip(taken, behind, strict=True)) else (taken,):
+            with suppress(PlanError):  # ways so short that their times are one but for rounding
+                lines = {self._flyers[one.k].robot.name: self._line(one) for one in each}
+                yield Plan(
+                    mission=self._mission, seed=self._asked.seed, seam=self._asked.seam,
+                    trajectories=tuple(lines[robot.name] for robot in self._mission.fleet.robots or ()),
+                )  # fmt: skip
 
-def _fills_s(robot: Robot, charger: Charger, level_s: float) -> float:
-    """How long a robot charges at a charger to have so much more left."""
-    if level_s == 0:
-        return 0.0
-    if charger.swap_s is not None:
-        return charger.swap_s * (1 + SAME_ROUND)
-    return level_s * (robot.battery.recharge_s or math.inf) / (robot.battery.endurance_s or math.inf)
+    def _behind(self, one: _Taken) -> _Taken:
+        """The same of a robot that comes into a flight that is under way, and is behind to its end, if it can be."""
+        arrival = None if one.arrival.enters is None else one.own.behind(one.k, one.now_s)
+        return one if arrival is None else one._replace(arrival=arrival)
+
+    def _line(self, one: _Taken) -> Trajectory:
+        """What a robot flies; where that is what it would have flown before, exactly that."""
+        name = self._flyers[one.k].robot.name
+        line = one.own.trajectory(one.k, one.arrival, self._asked.batteries[name])
+        before = self._asked.going_on.get(name)
+        return line if before is None or not _is_same(before, line) else before
 
 
 def _divisions(counts: Sequence[int], robots: int) -> list[list[int]]:

@@ -11,7 +11,7 @@ from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOW_LEG_M, timed_line
 from rota.planners.patrol.driving.polylines import far_enough
-from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SHORTEST_S, SLOWER
 
@@ -69,7 +69,7 @@ def timed_approach(line_m: Floats, robot: Robot, onward_m: Floats | None = None)
     if len(line_m) == 1:
         return Approach(line=steady(np.zeros(1), line_m))
     if robot.motion.has_mass:
-        return Approach(line=Rounded(robot).way(line_m))
+        return Approach(line=driving_with_mass(robot).way(line_m))
     ahead = np.diff(line_m if onward_m is None else np.vstack([line_m, onward_m]), axis=0)
     before, after = ahead[:-1], ahead[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]

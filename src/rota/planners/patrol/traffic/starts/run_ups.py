@@ -9,7 +9,7 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, free_segments
 from rota.model.mission import Robot
-from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
@@ -31,7 +31,7 @@ def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
     at_once = Joining(line, 0.0, steady(np.zeros(1), line.places_m[:1]))
     if line.stays or not robot.motion.has_mass:
         return at_once
-    driving = Rounded(robot)
+    driving = driving_with_mass(robot)
     steps, lasts_s = np.diff(line.places_m, axis=0), np.diff(line.times_s)
     lengths = np.hypot(*steps.T)
     speeds = np.where(lengths > 0, lengths / lasts_s - line.accelerations_m_s2 * lasts_s / 2, 0.0)
