@@ -11,17 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from tests.draw.test_plan_picture import drawn_routes
-from tests.relieved import SQUARE_M, relieved
+from tests.relieved import SQUARE_M, relieved, with_battery
 
-from rota.draw.palette import CHARGES, RESERVE, RESTS, pale, route_style
+from rota.draw.palette import CHARGES, LANDS, RESERVE, RESTS, pale, route_style
 from rota.draw.plan_picture import plan_figure
 from rota.draw.routes import routes_of
 from rota.model.plan import Charge, Trajectory
 from rota.routes.served_loops import loop_letter
 
 
-def chart_of(count: int) -> Axes:
-    fig = plan_figure(relieved(count), cells=400)
+def chart_of(count: int, **battery: float) -> Axes:
+    fig = plan_figure(with_battery(relieved(count), **battery), cells=400)
     fig.canvas.draw()
     return fig.axes[2] if fig.axes[2].get_xlabel().startswith("time") else fig.axes[-1]
 
@@ -64,6 +64,14 @@ def test_bars_are_the_flights_and_stays_of_each_robot() -> None:
     # 180 s of driving are charged in 90 s
     assert bars(ax, 0, CHARGES) == [pytest.approx((3, 4.5))]
     assert bars(ax, 0, RESTS) == [pytest.approx((4.5, 8))]
+
+
+def test_who_lands_and_climbs_is_seen_at_either_end_of_its_stay() -> None:
+    ax = chart_of(3, landing_s=12, climbing_s=6)
+    assert bars(ax, 0, LANDS) == [pytest.approx((3, 3.2)), pytest.approx((7.9, 8))]
+    assert bars(ax, 1, LANDS) == [pytest.approx((154 / 60, 160 / 60)), pytest.approx((340 / 60, 352 / 60))]
+    assert bars(ax, 2, LANDS) == [pytest.approx((20 / 60, 32 / 60)), pytest.approx((314 / 60, 320 / 60))]
+    assert not bars(chart_of(3), 0, LANDS)
 
 
 def test_lines_are_the_batteries_and_their_reserves() -> None:

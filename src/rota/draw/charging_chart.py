@@ -16,7 +16,18 @@ from matplotlib.patheffects import withStroke
 
 from rota.check.batteries import Battery, batteries_of
 from rota.draw.mission_picture import FONT_PT, plain
-from rota.draw.palette import BATTERY, CHARGES, CHARGES_EDGE, DOCKED, FLOWN_ONCE, RESERVE, RESTS, pale, route_style
+from rota.draw.palette import (
+    BATTERY,
+    CHARGES,
+    CHARGES_EDGE,
+    DOCKED,
+    FLOWN_ONCE,
+    LANDS,
+    RESERVE,
+    RESTS,
+    pale,
+    route_style,
+)
 from rota.draw.route_lines import robot_colours
 from rota.draw.routes import ONCE, flight_colour, serves_loops, service_in
 from rota.draw.two_maps import Chart
@@ -89,6 +100,10 @@ def draw_charging(plan: Plan, ax: Axes) -> None:
             else:
                 _draw_flights(ax, row, told, colours[row])
         _draw_stays(ax, row, trajectory, battery, until_s, unit_s)
+        limits = plan.mission.fleet.robot(trajectory.robot).battery
+        moves = _landings(trajectory, limits.landing_s, limits.climbing_s, until_s)
+        told = [(begin / unit_s, lasts / unit_s) for begin, lasts in moves]
+        ax.broken_barh(told, (row - FILLED / 2, FILLED), facecolors=LANDS, linewidth=0.0, zorder=1.6)
         if battery is not None:
             _draw_level(ax, row, battery, until_s, unit_s)
     _draw_axes(plan, ax, unit, row_in)
@@ -134,6 +149,20 @@ def _draw_stays(
     style: dict[str, Any] = {"edgecolors": CHARGES_EDGE, "linewidth": 0.0, "zorder": 1.5}
     ax.broken_barh([span for span in full if span[1] > 0], place, facecolors=RESTS, **style)
     ax.broken_barh([span for span in fills if span[1] > 0], place, facecolors=CHARGES, hatch="////", **style)
+
+
+def _landings(trajectory: Trajectory, landing_s: float, climbing_s: float, until_s: float) -> Spans:
+    """When a robot lands and climbs, until a time: at either end of its stays, but for one in which all begins."""
+    whole: list[tuple[float, float]] = []
+    for begin, lasts in sorted(_stays(trajectory, 2 * until_s)):  # beyond the chart, to see where the last one ends
+        if whole and begin - whole[-1][1] <= SAME_ROUND * until_s:
+            whole[-1] = (whole[-1][0], begin + lasts)
+        else:
+            whole.append((begin, begin + lasts))
+    lands = [(begin, min(begin + landing_s, end)) for begin, end in whole if begin > 0]
+    climbs = [(max(begin, end - climbing_s), end) for begin, end in whole if end < 2 * until_s]
+    told = [(begin, min(end, until_s)) for begin, end in (*lands, *climbs)]
+    return [(begin, end - begin) for begin, end in told if end > begin]
 
 
 def _stays(trajectory: Trajectory, until_s: float) -> Iterator[tuple[float, float]]:
@@ -198,6 +227,8 @@ def _battery_legend(plan: Plan) -> list[Artist]:
     entries: list[Artist] = []
     entries.append(Patch(facecolor=CHARGES, edgecolor=CHARGES_EDGE, hatch="//////", label="charges"))
     entries.append(Patch(facecolor=RESTS, edgecolor=CHARGES_EDGE, label="at the charger, full"))
+    if any(plan.mission.fleet.robot(trajectory.robot).battery.grounding_s for trajectory in plan):
+        entries.append(Patch(facecolor=LANDS, label="lands, or climbs"))
     batteries = [battery for battery in batteries_of(plan) if battery is not None]
     if batteries:
         entries.append(Line2D([], [], color=BATTERY, linewidth=0.9, label="battery, from empty to full"))

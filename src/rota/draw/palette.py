@@ -38,6 +38,7 @@ COVERED_EDGE = "#00664B"
 CHARGER, CHARGER_INK = "#FFE45C", "#222222"
 DOCKED = "#6E6E6E"  # a robot on a charger
 CHARGES, RESTS, CHARGES_EDGE = "#E2E2E2", "#F4F4F4", "#9A9A9A"  # in charts: it fills, it is full
+LANDS = "#8FA3B5"  # in charts: it lands, or climbs
 FLOWN_ONCE = "#7A7A7A"  # flights that lead into those that repeat
 BATTERY, RESERVE = "#222222", "#C4001A"
 FILLED_WELL, FILLED_LOW = "#1F9E4B", "#E8A400"  # bars of batteries; below the reserve and a quarter more: RESERVE
