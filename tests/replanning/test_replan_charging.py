@@ -13,6 +13,7 @@ from tests.replanning.relays import BATTERY, PERIOD_S, relay
 from tests.replanning.rings import ROUND_S
 
 from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
+from rota.check.lateness import lateness_of
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
@@ -296,3 +297,17 @@ def test_robots_come_into_rounds_that_move_where_these_are_nearest_in_time() -> 
     assert joins.leaves_s > 2
     assert left_s == pytest.approx(10 + 40 - joins.phase_s, abs=0.2)
     assert full.behind(0, 50.0) is None  # it is on the pad
+
+
+@pytest.mark.parametrize("lost", ["a", "b"])
+def test_lateness_is_the_same_where_loops_that_meet_all_are_looked_at_to_their_end(lost: str) -> None:
+    found = replan(turning(relay(spare=True)), at_s=10.0, lost=[lost], should_stop=lambda: True)
+    assert found.report.verdict == "met"
+    # what is not proved is looked at for the longest loop
+    open_ones = tuple(replace(one, outcome="not proven") for one in found.report.demands)
+    whole = lateness_of(found.plan, replace(found.report, demands=open_ones), finest_m=0.01, on_the_way=None)
+    told = found.report.lateness
+    assert told is not None
+    for one, other in zip(told.demands, whole.demands, strict=True):
+        assert one.worst_at_least_s == pytest.approx(other.worst_at_least_s)
+        assert one.worst_s == pytest.approx(other.worst_s, abs=0.1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,7 +38,9 @@ def sample_lateness(plan: Plan, most_points: int) -> LateSample:
     assert plan.seam is not None
     for_ever, points = _sample_loops(plan, most_points)
     demands = demands_of(plan.mission)
-    across = {names: sights_across(plan, plan.seam, names) for names, _ in groups_of(demands)}
+    ever = all(one.unseen_m2 == 0 and one.ratio <= 1 + PERIOD_TOLERANCE for one in for_ever)
+    within_s = long_enough_s(demands, ever)
+    across = {names: sights_across(plan, plan.seam, names, within_s) for names, _ in groups_of(demands)}
     sampled = []
     for k, one in enumerate(demands):
         if (sights := across[one.sensors]) is None:
@@ -102,15 +105,23 @@ def _some_points(tiles: Tiles, ground: SeeableGround, k: int, most_points: int) 
 # ---------------------------------------------------------------- what is seen before and after
 
 
-def sights_across(plan: Plan, seam: Seam, names: Names = ()) -> Sights | None:
+def long_enough_s(demands: Sequence[DemandedGround], ever: bool) -> float:
+    """For how long after all loops have begun it may be asked how late places are; ever: whether loops meet all.
+
+    Gaps that begin in such loops are not late, and those that begin before end within a period of them.
+    """
+    return 2 * max((demand.period_s for demand in demands), default=0.0) if ever else math.inf
+
+
+def sights_across(plan: Plan, seam: Seam, names: Names = (), within_s: float = math.inf) -> Sights | None:
     """What is seen after the change until all is seen again, with what was seen before; None: by too many legs.
 
-    names: of the sensors that count, if not all.
+    names: of the sensors that count, if not all. within_s: for so long after all loops have begun, if that is enough.
     """
     plan, before = counting_robots(plan, names), sights_before(plan.mission, counting_before(seam, names))
     routes, bounds_m = seeing_routes(undocked_routes(routes_of(plan), plan), plan), plan.mission.area.bounds
     # whatever a robot sees in its loop it sees again within one
-    to_s = routes.from_s + float(routes.durations_s.max(initial=0.0))
+    to_s = routes.from_s + min(float(routes.durations_s.max(initial=0.0)), within_s)
     turns = _turns(routes, to_s)
     if turns.sum() > MOST_LEGS:
         return None

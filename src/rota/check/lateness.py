@@ -15,7 +15,7 @@ from rota.check.counting import Names, groups_of
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
 from rota.check.late_report import LateDemand, Lateness
-from rota.check.late_samples import Sampled, sample_demand, sights_across
+from rota.check.late_samples import Sampled, long_enough_s, sample_demand, sights_across
 from rota.check.report import Report
 from rota.check.revisits import Sights
 from rota.check.tiled_ground import findings_by_group
@@ -34,7 +34,9 @@ def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Call
     """
     assert plan.seam is not None
     demands = demands_of(plan.mission)
-    across = {names: sights_across(plan, plan.seam, names) for names, _ in groups_of(demands)}
+    ever = all(demand.outcome == "met" for demand in report.demands)
+    within_s = long_enough_s(demands, ever)
+    across = {names: sights_across(plan, plan.seam, names, within_s) for names, _ in groups_of(demands)}
     sights = {names: one for names, one in across.items() if one is not None}
     if len(sights) < len(across):
         unknown = [
@@ -45,7 +47,6 @@ def lateness_of(plan: Plan, report: Report, *, finest_m: float, on_the_way: Call
         )
     sampled = [sample_demand(sights[demand.sensors], plan, k, demand) for k, demand in enumerate(demands)]
     bracket = _Bracket(plan, sights, demands, finest_m, on_the_way)
-    ever = all(demand.outcome == "met" for demand in report.demands)
     worst = [_with_loops(one, report) for one in bracket.worst(sampled)]
     if ever and all(one.worst_s == 0 for one in worst):
         again_s: float | None = 0.0

@@ -23,12 +23,16 @@ class Needs:
         self.docked, self._way = self._legs.docks >= 0, way
         count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
         if way.loop_duration_s > 0:
+            before = np.roll(self.docked, 1)
+            departs_s = np.where(before & ~self.docked, takeoff_s, 0.0).tolist()
+            more_s, swapped = self._on_legs(
+                np.arange(count), self._legs.begins_s, np.where(~before & self.docked, self._lands_s, 0.0)
+            )
+            after_s, takes_s, full = self._after_s.tolist(), more_s.tolist(), swapped.tolist()
             for leg in [*range(count - 1, -1, -1), *range(count - 1, -1, -1)]:
-                begins_s = self._legs.begins_s[leg : leg + 1]
-                leaves = self.docked[leg - 1] and not self.docked[leg]
-                comes = not self.docked[leg - 1] and self.docked[leg]
-                needs_s = self._at(np.array([leg]), begins_s, self._lands_s * comes)[0]
-                self._after_s[leg - 1] = needs_s + takeoff_s * leaves
+                needs_s = 0.0 if full[leg] else after_s[leg] + takes_s[leg]
+                after_s[leg - 1] = max(needs_s, self._reserve_s) + departs_s[leg]
+            self._after_s = np.array(after_s)
 
     def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
         """The leg of the round at each of its moments (k,)."""
@@ -51,14 +55,21 @@ class Needs:
 
     def _at(self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float) -> Floats:
         """The same at moments within these legs; lands_s: for how long nothing is charged from then on."""
-        legs, after_s = self._legs, self._after_s[leg]
+        more_s, swapped = self._on_legs(leg, phases_s, lands_s)
+        return np.asarray(np.maximum(np.where(swapped, 0.0, self._after_s[leg] + more_s), self._reserve_s))
+
+    def _on_legs(
+        self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """How much more is needed there than at the ends of these legs, and where the battery is full by then."""
+        legs = self._legs
         ends_s = np.where(self.docked[leg], np.minimum(legs.ends_s[leg], legs.leaves_s[leg] - self._climbs_s),
                           legs.ends_s[leg])  # fmt: skip
         rest_s = np.where(np.isfinite(ends_s), ends_s - phases_s, 0.0)
         rest_s = np.where(self.docked[leg], np.maximum(rest_s - lands_s, 0.0), rest_s)
-        needs_s = after_s + np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
+        more_s = np.where(self.docked[leg], -legs.fills[leg], legs.uses[leg]) * rest_s
         swapped = legs.leaves_s[leg] - phases_s - lands_s - self._climbs_s > legs.swaps_s[leg] * (1 - SAME_ROUND)
-        return np.asarray(np.maximum(np.where(swapped, 0.0, needs_s), self._reserve_s))
+        return more_s, swapped
 
     def service_s(self, phases_s: Floats) -> Floats:
         """For how long the round is flown from its time 0 to moments of it (k,), those of later rounds as well."""
