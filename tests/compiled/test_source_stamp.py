@@ -44,6 +44,23 @@ def test_a_change_far_down_counts_and_one_elsewhere_does_not(tmp_path: Path) -> 
     assert stamp(files["a_kernels"], tmp_path) != before
 
 
+def test_what_a_file_of_another_distribution_imports_of_its_own_counts_as_well(tmp_path: Path) -> None:
+    files = written(tmp_path / "src")
+    package = tmp_path / "studies" / "rota_studies" / "method"
+    package.mkdir(parents=True)
+    for folder in (package, package.parent):
+        (folder / "__init__.py").touch()
+    kernels, beside = package / "d_kernels.py", package / "e_kernels.py"
+    kernels.write_text("from rota.a_kernels import a\nfrom rota_studies.method.e_kernels import e\n")
+    beside.write_text("E = 1\n")
+    before = stamp(kernels, tmp_path / "src")
+    beside.write_text("E = 2\n")
+    changed = stamp(kernels, tmp_path / "src")
+    assert changed != before
+    files["c_kernels"].write_text("C = 2\n")
+    assert stamp(kernels, tmp_path / "src") != changed
+
+
 def test_comments_docstrings_and_layout_do_not_count(tmp_path: Path) -> None:
     files = written(tmp_path)
     before = stamp(files["a_kernels"], tmp_path)

@@ -1,4 +1,4 @@
-"""Which sources a kernel is compiled of: its file, and every file of rota that this one imports, at whatever depth.
+"""Which sources a kernel is compiled of: its file, and every file that it imports of rota and of its own distribution.
 
 What counts of a source is what it means: comments, docstrings and layout may change, and no kernel is compiled anew.
 """
@@ -29,12 +29,21 @@ _IMPORT = re.compile(r"^ *(?:from|import) (rota[\w.]*)(?: import ([\w, ]+|\([^)]
 
 @cache
 def imports_of(file: Path, source: Path = SOURCE) -> frozenset[Path]:
-    """The files of rota that a file imports."""
+    """The files that a file imports, of rota and of the distribution that it is in."""
     named: set[str] = set()
     for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
         named |= {module, *(f"{module}.{name}" for name in re.findall(r"\w+", names))}
-    paths = {source.joinpath(*name.split(".")).with_suffix(".py") for name in named}
+    roots = {source, root_of(file)}
+    paths = {root.joinpath(*name.split(".")).with_suffix(".py") for name in named for root in roots}
     return frozenset(path for path in paths if path.is_file())
+
+
+def root_of(file: Path) -> Path:
+    """The folder in which the outermost package of a file lies."""
+    folder = file.parent
+    while (folder / "__init__.py").is_file():
+        folder = folder.parent
+    return folder
 
 
 def code_prefix(module: str, function: str, file: Path) -> str:
