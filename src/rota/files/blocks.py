@@ -33,7 +33,8 @@ class Block:
 
     rules: contradictions between the raw values, each as the field at fault and what is wrong with it. makes: what is
     made of the values; None: they stay as they are, by their names. settings: the type whose contradictions are told.
-    says: what its JSON Schema says besides. is_open: other keys are passed over.
+    elsewhere: who brings keys that are not known. says: what its JSON Schema says besides. is_open: other keys are
+    passed over.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Block:
     rules: Rules = lambda data: ()
     makes: Callable[..., Any] | None = None
     settings: type[Settings] | None = None
+    elsewhere: str = ""
     says: Mapping[str, Any] = field(default_factory=dict)
     is_open: bool = False
 
@@ -54,7 +56,7 @@ def block_of(kind: type[Any], form: Form, blocks: Blocks | None = None, **more: 
     meaning = (kind.__doc__ or "").partition("\n")[0]
     told: dict[str, Any] = {"name": kind.__name__, "meaning": meaning, "fields": fields_in(kind, form, blocks)}
     if issubclass(kind, Settings):
-        told |= {"settings": kind if form == "mission" else None}
+        told |= {"settings": kind if form == "mission" else None, "elsewhere": kind.elsewhere}
     return Block(**told | more)
 
 
@@ -187,7 +189,10 @@ def _block_value(block: Block, data: Any, place: Place, faults: list[Fault]) -> 
     known = list(dict.fromkeys(item.name for item in block.fields))
     for key in data if not block.is_open else ():
         if key not in known:
-            faults.append(Fault((*place, key), f"unknown key; {nearest_key(str(key), known)}", at_key=True))
+            hint = nearest_key(str(key), known)
+            if block.elsewhere:  # where a near name may be none that is meant
+                hint = f"known here: {', '.join(known)}; {block.elsewhere}"
+            faults.append(Fault((*place, key), f"unknown key; {hint}", at_key=True))
     told = list(block.rules(data))
     if block.settings is not None and not unclear:
         told += [*block.settings.contradictions(values), *block.settings.useless_values(values)]

@@ -53,12 +53,12 @@ class Fault(NamedTuple):
 class Field:
     """One field: its type, default and meaning, and what it takes.
 
-    options: of text. least, above, most, below: bounds that always hold, with or without the bound itself. written:
-    the least and the most that a mission file may say, None: no other than these. count: how many entries a list has,
-    None: one or more; how many letters a text. optional: null is a value. empty: a mission file may say null for the
-    default. newer: plan files of older versions lack it. spared: plan files lack it while it, or all fields named here,
-    are at their defaults. word: of a list, a text that may stand in its place; in Python that is the empty tuple.
-    null_word: a text that stands for None in files.
+    options: of text. elsewhere: who brings other options. least, above, most, below: bounds that always hold, with or
+    without the bound itself. written: the least and the most that a mission file may say, None: no other than these.
+    count: how many entries a list has, None: one or more; how many letters a text. optional: null is a value. empty: a
+    mission file may say null for the default. newer: plan files of older versions lack it. spared: plan files lack it
+    while it, or all fields named here, are at their defaults. word: of a list, a text that may stand in its place; in
+    Python that is the empty tuple. null_word: a text that stands for None in files.
     item: what the entries of a list are. choices: of "either". block: a dataclass of such fields. flat: its fields
     stand beside the others. key: its name in files. title: its name in forms, where that is not its own. as_fleet: a
     robot has its fleet's value where it has none of its own. preset: a vehicle may have it where a mission file does
@@ -73,6 +73,7 @@ class Field:
     meaning: str = ""
     optional: bool = False
     options: tuple[Any, ...] = ()
+    elsewhere: str = ""
     block: Any = None
     item: Field | None = None
     choices: tuple[Field, ...] = ()
@@ -140,7 +141,8 @@ class Field:
             return self._number_fault(value, in_mission_file)
         if self.kind == "option":
             known = any(value == option and type(value) is type(option) for option in self.options)
-            return None if known else Fault("literal_error", {"expected": any_of(self.options)})
+            told = {"expected": any_of(self.options), "elsewhere": self.elsewhere}
+            return None if known else Fault("literal_error", told)
         if self.kind == "truth":
             return None if isinstance(value, bool) else Fault("bool_type", {})
         if self.kind == "text":

@@ -28,11 +28,13 @@ ContactFree = Literal["cycle", "trajectory"]
 class Settings:
     """Base of a block of settings: a frozen dataclass with ``setting`` for each field.
 
-    ``place``: where the block stands in a mission file. Raises MissionError for a value that a field does not take, and
+    ``place``: where the block stands in a mission file. ``elsewhere``: who brings what is not known here, told with
+    what is; empty where nobody does. Raises MissionError for a value that a field does not take, and
     for what ``contradictions`` finds.
     """
 
     place: ClassVar[str]
+    elsewhere: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         check_fields(self, f"{self.place}.")

@@ -50,7 +50,8 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
         key, allowed = _COMPARED[kind]
         return f"{show_value(value)} is not allowed; it {allowed.format(f'{given[key]:.9g}')}"
     if kind == "literal_error":
-        return f"{show_value(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed"
+        others = f"; {given['elsewhere']}" if given.get("elsewhere") else ""
+        return f"{show_value(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed{others}"
     if kind == "too_long" and (given.get("exact") or given.get("field_type") == "Tuple"):
         return f"{show_value(value)} is too long; {given['max_length']} numbers are needed"
     if kind == "too_short" and "exact" in given:
