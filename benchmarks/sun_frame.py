@@ -21,12 +21,14 @@ from benchmarks.warm_cache import measured_warm
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.frame import Frame
 from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour, tour_length
-from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
-from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
-from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame, straight_distances
+from rota.planners.patrol.methods.sun2019.partition import partition_frame
+from rota.planners.patrol.methods.sun2019.tour import find_frame, straight_distances
 from rota_studies.sun2019 import figure_13
+from rota_studies.sun2019_method.algorithms import TourSettings
+from rota_studies.sun2019_method.partition import CostedPartition, PartitionSettings, cut_frame
+from rota_studies.sun2019_method.route_lengths import route_lengths_m
 
 PEER = "fast-tsp>=0.2,<0.3"
 PEER_S = 2.0  # what the peer is given for a tour: its default
@@ -81,7 +83,7 @@ def sensors() -> tuple[np.ndarray, np.ndarray, ShortestPaths]:
 def frame_of(settings: TourSettings, seed: int = 0) -> Frame:
     """The frame past those sensors."""
     places, zone, paths = sensors()
-    return find_frame(places, zone, paths, virtual_radius_m=VIRTUAL_M, settings=settings, seed=seed)
+    return find_frame(places, zone, paths, virtual_radius_m=VIRTUAL_M, algorithm=settings, seed=seed)
 
 
 def genetic_row(local: Timed) -> Row:
@@ -130,14 +132,14 @@ def tours_row(points: list[np.ndarray], peer: dict[str, Any] | str) -> Row:
     return Row(name, asked, f"{measured}fast-tsp {peer['version']}", max(longer) <= 1)
 
 
-def partition_of(frame: Frame, settings: PartitionSettings) -> Partition:
+def partition_of(frame: Frame, settings: PartitionSettings) -> CostedPartition:
     """The frame past the sensors, cut for the periods of Section 5.1."""
     _, zone, _ = sensors()
     periods_s = np.array([8.0, 20.0, 40.0])[zone[frame.order]]
     lengths_m = None
     if settings.times == "routes":
         lengths_m = route_lengths(settings.joining_legs)
-    return partition_frame(
+    return cut_frame(
         frame.legs_m, periods_s, speed_m_s=SPEED_M_S, sensor_radius_m=SENSOR_M, route_lengths_m=lengths_m,
         settings=settings, seed=0,
     )  # fmt: skip

@@ -19,10 +19,10 @@ from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.model.mission import Mission
 from rota.model.plan import Plan
-from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.planner_settings import Effort
 from rota.planning.make_plan import make_plan
 from rota_studies.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
+from rota_studies.sun2019_method.mission_settings import Sun2019
 
 OURS, REPAIRED = Sun2019(), Sun2019(routes="repaired")
 PRINTED = {CASES[-1]: ("Tables 2, 3 and 4", AS_PRINTED), FIGURE_16: ("Tables 7, 3 and 4", AS_PRINTED_FIGURE_16)}

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota_studies.sun2019_method.algorithms import TourSettings
+from rota_studies.sun2019_method.deploy import DeploySettings
+from rota_studies.sun2019_method.partition import PartitionSettings
 
 TABLE_2 = DeploySettings(iterations=150, swarms=30, particles=50, sensors_max=160)
 TABLE_3 = TourSettings(method="genetic", generations=10_000, population=600)

@@ -12,12 +12,12 @@ from rota.check import check_plan
 from rota.compare import MethodOutcome
 from rota.model.mission import Mission
 from rota.model.plan import Plan
-from rota.planners.patrol.methods.sun2019.mission_settings import FrameSettings, SegmentSettings, SensorSettings
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota_studies.sun2019.kept import found_of
 from rota_studies.sun2019.printed_settings import AS_PRINTED
 from rota_studies.sun2019.results import Found, Printed
 from rota_studies.sun2019.runs import Runs, StudySettings
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
+from rota_studies.sun2019_method.mission_settings import FrameSettings, SegmentSettings, SensorSettings
 
 SMALL = replace(
     AS_PRINTED,
@@ -63,7 +63,7 @@ def without_search(printed_by_name: dict[tuple[str, int], Printed], monkeypatch:
     asked: list[Asked] = []
     run_it = Runs.printed
 
-    def printed(runs: Runs, mission: Mission, settings: MethodSettings, seed: int | None = None) -> Printed:
+    def printed(runs: Runs, mission: Mission, settings: PaperAlgorithms, seed: int | None = None) -> Printed:
         at = runs.seed if seed is None else seed
         if (mission.name, at) not in printed_by_name:
             printed_by_name[mission.name, at] = run_it(runs, mission, settings, at)

@@ -7,9 +7,9 @@ import itertools
 import numpy as np
 import pytest
 
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota_studies.sun2019 import paper
 from rota_studies.sun2019.printed_settings import TABLE_7
+from rota_studies.sun2019_method.partition import PartitionSettings
 
 # Sensors 19(9):1994, CC BY 4.0: rows of Tables 5, 6 and 8 as they stand there, two routes side by side in the last two
 TABLE_5 = """

@@ -18,7 +18,6 @@ from rota.errors import RotaError
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota_studies.study import Study, listed_figures, write_study
 from rota_studies.study_runs import StudyStopped
@@ -27,6 +26,7 @@ from rota_studies.sun2019.cases import brief
 from rota_studies.sun2019.printed_settings import TABLE_7
 from rota_studies.sun2019.runs import Reading, Runs, StudySettings
 from rota_studies.sun2019.study import sun2019_study
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
 from rota_studies.verdict import spread
 
 STAGES = (6, 8, 12, 15)
@@ -187,11 +187,11 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
     make_runs: Callable[..., Runs], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs = make_runs()
-    asked: list[tuple[str, MethodSettings]] = []
+    asked: list[tuple[str, PaperAlgorithms]] = []
     routes = runs.printed(runs.map_15, runs.figure_16).routes
     assert routes is not None
 
-    def searched(context: Context, settings: MethodSettings) -> SimpleNamespace:
+    def searched(context: Context, settings: PaperAlgorithms) -> SimpleNamespace:
         asked.append((PatrolSettings.of(context.problem.mission).effort, settings))
         return SimpleNamespace(plan=Plan(mission=runs.map_15, trajectories=routes), met=True, within_budgets=True)
 
@@ -200,8 +200,8 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
     assert runs.mended(runs.map_15, runs.figure_16) is found
     assert (found.robots, found.met) == (len(routes), True)
     ((effort, settings),) = asked
-    assert (effort, settings.route.routes) == ("quick", "repaired")
-    assert replace(settings, route=runs.figure_16.route) == runs.figure_16
+    assert (effort, settings.routes) == ("quick", "repaired")
+    assert replace(settings, routes=runs.figure_16.routes) == runs.figure_16
     assert StudySettings().figure_16.sensors == TABLE_7
 
 

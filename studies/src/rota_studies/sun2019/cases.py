@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.mission import AREA, Mission
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.planner_settings import Method
 from rota_studies.sun2019.panels import zone_title
 from rota_studies.sun2019.paper import PaperCase, PaperRoute
 from rota_studies.sun2019.results import Found, Printed
 from rota_studies.sun2019.runs import Runs
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
 from rota_studies.tables import NOTHING, Table, number, plus_minus
 
 DEFAULTS: tuple[Method, ...] = ("sequential", "parallel", "decomposition", "sun2019", "tours")
@@ -95,7 +95,7 @@ def robots_told(found: Found) -> str:
     return str(found.robots) if found.met else f"{found.robots}, not met"
 
 
-def case_of(runs: Runs, case: PaperCase, mission: Mission, settings: MethodSettings) -> Case:
+def case_of(runs: Runs, case: PaperCase, mission: Mission, settings: PaperAlgorithms) -> Case:
     """A case of the paper with all its runs."""
     printed = tuple(runs.printed(mission, settings, seed) for seed in runs.seeds)
     methods = {method: runs.by_method(mission, method) for method in DEFAULTS}

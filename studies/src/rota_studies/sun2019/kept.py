@@ -13,6 +13,7 @@ from rota.planners.patrol.methods.sun2019.stages import Stages
 from rota_studies.records import drawn_ways, plan_digest
 from rota_studies.sun2019.loops import loops_of
 from rota_studies.sun2019.results import Found, Printed, sensors_of, way_of
+from rota_studies.sun2019_method.partition import CostedPartition
 
 LATE_CELLS = 60_000  # half a metre each on Figure 13's map
 
@@ -22,6 +23,7 @@ def printed_of(mission: Mission, stages: Stages, *, seed: int, drawn: bool) -> P
     plan = driven(mission, stages, seed=seed)
     report, gaps = check_plan(plan), gap_map(plan, cells=LATE_CELLS)
     deployment, (part,), (partition,) = stages.framed.deployment, stages.framed.parts, stages.partitions
+    assert isinstance(partition, CostedPartition)
     zone_of = deployment.zone_of[part.sensors]
     along = zone_of[part.frame.order]
     # zones were deployed from the smallest period up: a segment counts for the first of those whose sensors it holds

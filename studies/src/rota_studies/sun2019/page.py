@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rota.planners.patrol.methods.sun2019.mission_settings import SegmentSettings
 from rota_studies.page import claims, listed, made_from
 from rota_studies.section import Section
 from rota_studies.sun2019 import paper
 from rota_studies.sun2019.runs import StudySettings
+from rota_studies.sun2019_method.mission_settings import SegmentSettings
 from rota_studies.tables import joined
 
 HEADING = "# Sun et al. 2019, figure by figure"

@@ -11,10 +11,10 @@ from shapely import LineString
 from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
 from rota.model.mission import AREA, Mission
 from rota.model.plan import Plan
-from rota.planners.patrol.methods.sun2019.partition import Partition
 from rota_studies.panels.curve_panel import Curve, CurvePanel, Level
 from rota_studies.panels.map_panel import Dots, MapPanel, Strokes
 from rota_studies.sun2019.results import Found, Printed, Sensors, Way, ZoneSensors
+from rota_studies.sun2019_method.partition import CostedPartition
 from rota_studies.tables import counted
 
 Floats = NDArray[np.float64]
@@ -139,7 +139,7 @@ def tour_panel(title: str, frame: Way) -> CurvePanel:
     return CurvePanel(title=title, note=note, curves=(curve,), across="generations", up="way without α, m")
 
 
-def partition_panel(title: str, partition: Partition, least: float) -> CurvePanel:
+def partition_panel(title: str, partition: CostedPartition, least: float) -> CurvePanel:
     """The lowest cost of Eq. 28 by iteration, and the least of all partitions: Figures 13f and 16f."""
     curve = Curve("swarms", partition.history, ZONE_COLOURS[0])
     note = f"{partition.cost:,.0f} from iteration {settled(partition.history)} on"
@@ -172,7 +172,7 @@ def settled(history: Floats) -> int:
     return int(np.flatnonzero(history == history[-1])[0])
 
 
-def segments_panel(title: str, mission: Mission, sensors: Sensors, frame: Way, partition: Partition) -> MapPanel:
+def segments_panel(title: str, mission: Mission, sensors: Sensors, frame: Way, partition: CostedPartition) -> MapPanel:
     """The segments of the frame, one robot each, with the times of their routes by Eq. 26."""
     n = len(frame.order)
     strokes = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rota.planners.patrol.methods.sun2019.mission_settings import SensorSettings, Sun2019
+from rota_studies.sun2019_method.mission_settings import SensorSettings, Sun2019
 
 TABLE_7 = SensorSettings(iterations=200, swarms=40, particles=60, sensors_max=210)
 """Table 7: Figure 16's parameters."""

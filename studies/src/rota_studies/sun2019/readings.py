@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rota.model.mission import Mission
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.mission_settings import SegmentSettings
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota_studies.sun2019 import paper
 from rota_studies.sun2019.cases import with_late, with_late_spread
 from rota_studies.sun2019.panels import zone_title
 from rota_studies.sun2019.results import Printed, Sensors, Way
 from rota_studies.sun2019.runs import Reading, Runs
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
+from rota_studies.sun2019_method.deploy import DeploySettings
+from rota_studies.sun2019_method.mission_settings import SegmentSettings
 from rota_studies.tables import Table, plus_minus
 from rota_studies.verdict import spread
 
@@ -24,7 +24,7 @@ LOCAL_SEARCH = "local search (ours)"
 NEVER_LATE = 1e6  # xi_1 at which a millisecond costs as much as a robot
 WEIGHTS = (paper.LEAST_WEIGHT, SegmentSettings().weight_late, paper.MOST_WEIGHT, NEVER_LATE)
 AS_HERE, LETTER = "as here", "all three, the letter of Algorithm 1"
-Asked = tuple[paper.PaperCase, Mission, MethodSettings]
+Asked = tuple[paper.PaperCase, Mission, PaperAlgorithms]
 
 
 class Pair(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota_studies.panels.curve_panel import CurvePanel
 from rota_studies.panels.map_panel import MapPanel
 from rota_studies.section import Picture, Section
@@ -38,6 +37,7 @@ from rota_studies.sun2019.verdicts import (
     genetic_verdict,
     run_verdicts,
 )
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
 from rota_studies.tables import counted
 from rota_studies.verdict import spread
 
@@ -124,7 +124,7 @@ def run_pictures(figure: int, case: Case, least: float) -> tuple[Picture, ...]:
     )
 
 
-def _cheapest(runs: Runs, case: Case, settings: MethodSettings) -> float:
+def _cheapest(runs: Runs, case: Case, settings: PaperAlgorithms) -> float:
     """What Algorithm 3 looks for: the least cost by Eq. 28 of a partition of the same frame."""
     own = Reading(settings.partition.joining_legs, settings.partition.weight_late)
     return runs.cheapest(case.mission, settings, own, runs.seed).cost

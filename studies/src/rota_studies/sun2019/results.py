@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.methods.sun2019.deploy import Deployment
-from rota.planners.patrol.methods.sun2019.partition import Partition
-from rota.planners.patrol.methods.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.frame import Frame
+from rota_studies.sun2019_method.deploy import history_of
+from rota_studies.sun2019_method.partition import CostedPartition
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -83,7 +84,7 @@ class Printed:
 
     sensors: Sensors
     way: Way
-    partition: Partition
+    partition: CostedPartition
     segment_zones: tuple[str, ...]
     verdict: str
     asked_m2: float
@@ -164,7 +165,7 @@ def sensors_of(deployment: Deployment) -> Sensors:
     zones = tuple(
         ZoneSensors(name=zone.name, period_s=zone.period_s, positions_m=zone.positions_m) for zone in deployment.zones
     )
-    history = deployment.history
+    history = history_of(deployment)
     return Sensors(
         zones=zones, virtual_radius_m=deployment.virtual_radius_m, cost=None if history is None else history.cost
     )
@@ -188,7 +189,7 @@ def way_of(frame: Frame, zone_of: Ints, zones: int) -> Way:
     )
 
 
-def cut_of(partition: Partition) -> Cut:
+def cut_of(partition: CostedPartition) -> Cut:
     """What is kept of a partition that is not drawn."""
     late = int((partition.times_s >= partition.periods_s).sum())
     return Cut(robots=len(partition.first), late=late, cost=partition.cost)

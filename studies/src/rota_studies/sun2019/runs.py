@@ -19,22 +19,11 @@ from rota.model.mission import Mission
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.frame import Frame, PartFrame, radius_m
 from rota.planners.patrol.methods.sun2019.graph import proximity_graph
-from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
-from rota.planners.patrol.methods.sun2019.partition import partition_frame
-from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings, stage_settings
-from rota.planners.patrol.methods.sun2019.stages import (
-    Framed,
-    PartFrame,
-    cut_in_segments,
-    framed_sensors,
-    radius_m,
-)
-from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
+from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors
+from rota.planners.patrol.methods.sun2019.tour import find_frame
 from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
 from rota.planners.patrol.verdict import unmet_reason
 from rota_studies.plain import changes
@@ -45,6 +34,11 @@ from rota_studies.sun2019.kept import found_of, printed_of
 from rota_studies.sun2019.maps import figure_8, figure_13, figure_15, with_periods
 from rota_studies.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 from rota_studies.sun2019.results import Cut, Found, Printed, Sensors, Way, cut_of, sensors_of, way_of
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms, TourSettings
+from rota_studies.sun2019_method.deploy import DeploySettings
+from rota_studies.sun2019_method.mission_settings import Sun2019
+from rota_studies.sun2019_method.partition import PartitionSettings, cut_frame
+from rota_studies.sun2019_method.route_lengths import route_lengths_m
 
 Ints = NDArray[np.int64]
 T = TypeVar("T")
@@ -87,8 +81,8 @@ class Runs(StudyRuns[StudySettings]):
     def __init__(self, settings: StudySettings, **shared: Any) -> None:
         super().__init__(settings, **shared)
         self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
-        self.figure_13 = stage_settings(settings.figure_13, settings.effort)
-        self.figure_16 = stage_settings(settings.figure_16, settings.effort)
+        self.figure_13 = settings.figure_13.algorithms(settings.effort)
+        self.figure_16 = settings.figure_16.algorithms(settings.effort)
         self.maps_14 = tuple(with_periods(self.map_13, case.periods_s) for case in paper.TABLE_6)
         self._made: dict[tuple[Any, ...], Any] = {}  # stages that several runs begin with; of them no record is kept
 
@@ -119,7 +113,7 @@ class Runs(StudyRuns[StudySettings]):
         }  # fmt: skip
         return self.records.get(Way, run, make)
 
-    def graph(self, mission: Mission, settings: MethodSettings, seed: int) -> Graph:
+    def graph(self, mission: Mission, settings: PaperAlgorithms, seed: int) -> Graph:
         """The proximity graph over the sensors."""
 
         def make() -> Graph:
@@ -138,7 +132,7 @@ class Runs(StudyRuns[StudySettings]):
         run = {"what": "graph", **what(mission), "settings": _stages(settings), "seed": seed}
         return self.records.get(Graph, run, make)
 
-    def printed(self, mission: Mission, settings: MethodSettings, seed: int | None = None) -> Printed:
+    def printed(self, mission: Mission, settings: PaperAlgorithms, seed: int | None = None) -> Printed:
         """Algorithms 1 to 3 and the routes round the segments, as the paper has them, judged by the check.
 
         seed: None for that of the pictures, whose routes are drawn.
@@ -154,7 +148,7 @@ class Runs(StudyRuns[StudySettings]):
         run = {"what": "as printed", **what(mission), "settings": _stages(settings), "seed": at}
         return self.records.get(Printed, run, make)
 
-    def cheapest(self, mission: Mission, settings: MethodSettings, reading: Reading, seed: int) -> Cut:
+    def cheapest(self, mission: Mission, settings: PaperAlgorithms, reading: Reading, seed: int) -> Cut:
         """The partition that Eq. 28 costs least, by one reading of what the paper leaves open; ground in one part."""
 
         def make() -> Cut:
@@ -166,7 +160,7 @@ class Runs(StudyRuns[StudySettings]):
             )
             lengths_m = self._lengths_m(part, mission, settings, reading.joining_legs, seed)
             return cut_of(
-                partition_frame(
+                cut_frame(
                     part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
                     route_lengths_m=lengths_m, settings=under,
                 )
@@ -185,7 +179,7 @@ class Runs(StudyRuns[StudySettings]):
             frame, robot = self._toured(mission, deploy, tour, seed), mission.fleet.equal_robot("robot-1")
             periods_s = self._deployed(mission, deploy, seed).periods_s[frame.order]
             return cut_of(
-                partition_frame(
+                cut_frame(
                     frame.legs_m, periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
                     settings=PartitionSettings(joining_legs=True),
                 )
@@ -199,7 +193,7 @@ class Runs(StudyRuns[StudySettings]):
 
     # ------------------------------------------------------------ plans
 
-    def mended(self, mission: Mission, settings: MethodSettings) -> Found:
+    def mended(self, mission: Mission, settings: PaperAlgorithms) -> Found:
         """A checked plan by the same settings, with routes repaired until all is seen in time."""
         doing = f"{mission.name}: mending the paper's routes"
 
@@ -212,8 +206,7 @@ class Runs(StudyRuns[StudySettings]):
                 set_up_problem(asked), asked=asked, seed=self.seed, judge=check_plan, should_stop=self.should_stop,
                 progress=lambda _, what: self.tell(f"{doing}: {what}"),
             )  # fmt: skip
-            route = replace(settings.route, routes="repaired")
-            best = fewest_robots_by_stages(context, replace(settings, route=route))
+            best = fewest_robots_by_stages(context, replace(settings, routes="repaired"))
             self.stop_if_asked()  # what was stopped early is not shown
             reason = None if is_good(best) else unmet_reason(best.plan, best.verdict)
             report = check_plan(best.plan)
@@ -276,12 +269,12 @@ class Runs(StudyRuns[StudySettings]):
             self.now(f"{mission.name}: finding the frame, seed {seed}")
             return find_frame(
                 deployment.positions_m, deployment.zone_of, _paths(mission),
-                virtual_radius_m=deployment.virtual_radius_m, settings=tour, seed=seed,
+                virtual_radius_m=deployment.virtual_radius_m, algorithm=tour, seed=seed,
             )  # fmt: skip
 
         return self._once(("toured", mission_digest(mission), deploy, tour, seed), make)
 
-    def _framed(self, mission: Mission, settings: MethodSettings, seed: int) -> Framed:
+    def _framed(self, mission: Mission, settings: PaperAlgorithms, seed: int) -> Framed:
         """Algorithms 1 and 2. They heed the order of the periods only, so that maps with the same order share them."""
         names = tuple(region.name for region in sorted(demanded_regions(mission), key=lambda region: region.period_s))
 
@@ -295,7 +288,7 @@ class Runs(StudyRuns[StudySettings]):
         )
 
     def _lengths_m(
-        self, part: PartFrame, mission: Mission, settings: MethodSettings, joining_legs: bool, seed: int
+        self, part: PartFrame, mission: Mission, settings: PaperAlgorithms, joining_legs: bool, seed: int
     ) -> NDArray[np.float64]:
         """Metres of the routes round all stretches of a frame, with or without the leg that leads to each."""
         if part.route_lengths_m is not None and joining_legs == settings.partition.joining_legs:
@@ -306,20 +299,23 @@ class Runs(StudyRuns[StudySettings]):
             robot = mission.fleet.equal_robot("robot-1")
             return route_lengths_m(
                 part.frame, part.waypoint_periods_s, _paths(mission), speed_m_s=robot.speed_m_s,
-                radius_m=radius_m(robot), joining_legs=joining_legs, settings=settings.route,
+                radius_m=radius_m(robot), joining_legs=joining_legs,
             )  # fmt: skip
 
         return self._once(("lengths", mission_digest(mission), settings, joining_legs, seed), make)
 
 
-def _stages(settings: MethodSettings) -> dict[str, Any]:
-    """The settings of all stages that differ from their defaults, the deployment's for itself."""
-    found: dict[str, Any] = changes(settings)
-    found.pop("deployments", None)
-    return {"deployment": changes(settings.deployments[0]), **found}
+def _stages(settings: PaperAlgorithms) -> dict[str, Any]:
+    """What all stages run with that differs from its defaults, by the names that records have."""
+    routes = {} if settings.routes == "shortened" else {"routes": settings.routes}
+    told = {"tour": changes(settings.tour), "partition": changes(settings.partition), "route": routes}
+    return {
+        "deployment": changes(settings.deployments[0]),
+        **{stage: changed for stage, changed in told.items() if changed},
+    }
 
 
-def retimed(framed: Framed, mission: Mission, settings: MethodSettings) -> Framed:
+def retimed(framed: Framed, mission: Mission, settings: PaperAlgorithms) -> Framed:
     """The same sensors and frames with a mission's own periods, whose order is the same."""
     periods_s = {region.name: region.period_s for region in demanded_regions(mission)}
     zones = tuple(replace(zone, period_s=periods_s[zone.name]) for zone in framed.deployment.zones)
@@ -330,7 +326,7 @@ def retimed(framed: Framed, mission: Mission, settings: MethodSettings) -> Frame
         if lengths_m is not None and not np.array_equal(along_s, part.waypoint_periods_s):
             lengths_m = route_lengths_m(
                 part.frame, along_s, _paths(mission), speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
-                joining_legs=settings.partition.joining_legs, settings=settings.route,
+                joining_legs=settings.partition.joining_legs,
             )  # fmt: skip
         parts.append(replace(part, waypoint_periods_s=along_s, route_lengths_m=lengths_m))
     return replace(framed, deployment=deployment, parts=tuple(parts))

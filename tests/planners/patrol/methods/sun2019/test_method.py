@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmarks.missions import EXAMPLES
-from benchmarks.sun_tables import TABLE_2, TABLE_3, TABLE_4
 from shapely import LinearRing, LineString, MultiPolygon, box
 
 import rota
@@ -21,13 +20,9 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
-from rota.planners.patrol.methods.sun2019.mission_settings import SensorSettings, Sun2019
+from rota.planners.patrol.methods.sun2019.algorithms import Algorithms, SensorCover, deployments_tried
+from rota.planners.patrol.methods.sun2019.offered_settings import Sun2019
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
-from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
-from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measure, share_out
 from rota.planners.patrol.planner_settings import PatrolSettings
 
@@ -79,7 +74,7 @@ def test_figure_13_takes_no_more_robots_than_the_paper() -> None:
 def test_deployment_frame_partition_and_routes_follow_from_each_other() -> None:
     mission = FIGURE_13
     space, robot = standing_space(mission, 0.0), common_robot(mission.fleet)
-    paths, settings = ShortestPaths(space), MethodSettings()
+    paths, settings = ShortestPaths(space), Algorithms()
     framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)
     (part,) = framed.parts
     assert sorted(part.sensors[part.frame.order].tolist()) == list(range(len(framed.deployment.positions_m)))
@@ -111,7 +106,7 @@ def test_a_yard_with_an_obstacle_and_two_zones_is_met() -> None:
     "stages",
     [
         {"deployment": "exact"},
-        {"tour": "genetic"},
+        {"deployment": "greedy"},
         {"routes": "repaired"},
     ],
     ids=lambda stages: "-".join(stages),
@@ -120,22 +115,13 @@ def test_each_stage_is_exchangeable(stages: dict[str, str]) -> None:
     assert len(planned(with_stages(YARD, **stages)).trajectories) <= 8
 
 
-def test_swarms_may_cut_the_frame() -> None:
-    swarms = replace(TABLE_4, swarms=20, particles=20)
-    found = fewest_robots_by_stages(context_of(YARD), MethodSettings(partition=swarms))
-    assert found.met
-    assert found.within_budgets
-    assert 2 <= len(found.plan.trajectories) <= 5
-
-
-def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
-    asked = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="printed")
-    settings = settings_for(replace(QUICK, method_settings=asked))
-    assert settings.deployments == (replace(TABLE_2, sensors_max=None),)
-    assert (settings.tour, settings.partition) == (TABLE_3, TABLE_4)
-    as_printed = replace(asked, sensors=SensorSettings(sensors_max=160))
-    printed = settings_for(replace(QUICK, method_settings=as_printed))
-    assert printed == replace(settings, deployments=(TABLE_2,), route=RouteSettings(routes="printed"))
+def test_best_is_of_our_covers_alone_as_many_as_the_effort_allows() -> None:
+    assert deployments_tried("best", "quick") == ("greedy",)
+    for effort in ("normal", "high"):
+        assert deployments_tried("best", effort) == ("greedy", "exact")
+        covers = Sun2019().algorithms(effort).deployments
+        assert [cover.method for cover in covers] == ["greedy", "exact"]
+        assert all(isinstance(cover, SensorCover) for cover in covers)
 
 
 def test_stages_are_read_from_mission_files_and_kept_in_plan_files(tmp_path: Path) -> None:
@@ -163,23 +149,6 @@ def test_routes_as_printed_leave_pockets_and_say_so() -> None:
     report = check_plan(caught.value.best)
     unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
     assert 0.005 * 2300 < unseen_m2 < 0.2 * 2300
-
-
-def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = MethodSettings(deployments=(DeploySettings(iterations=5, particles=4),), frames=2)
-    plans = []
-    for cores in (1, 2):
-        monkeypatch.setattr("os.cpu_count", lambda cores=cores: cores)
-        plans.append(fewest_robots_by_stages(context_of(YARD), settings).plan)
-    assert plans[0] == plans[1]
-
-
-def test_sensors_framed_on_one_thread_and_on_two_are_the_same() -> None:
-    paths, settings = ShortestPaths(standing_space(YARD, 0.0)), MethodSettings()
-    deploy = DeploySettings(iterations=5, particles=4)
-    one, two = (framed_sensors(YARD, paths, deploy, settings, seed=5, threads=threads) for threads in (1, 2))
-    assert one.deployment.positions_m.tolist() == two.deployment.positions_m.tolist()
-    assert one.parts[0].frame.path_m.tolist() == two.parts[0].frame.path_m.tolist()
 
 
 def test_bodies_turning_times_reserves_and_starts_are_kept() -> None:
@@ -230,15 +199,9 @@ def test_unknown_stages_are_refused_by_name(name: str) -> None:
         Sun2019(**{name: "best guess"})
 
 
-@pytest.mark.parametrize(("wrong", "told"), [({"deployments": ()}, "deployments"), ({"frames": 0}, "frames: 0")])
-def test_settings_that_are_not_allowed(wrong: dict[str, object], told: str) -> None:
-    with pytest.raises(MissionError, match=told):
-        MethodSettings(**wrong)
-
-
 def test_lengths_measured_on_routes_move_the_cuts() -> None:
     mission = FIGURE_13
-    robot, settings = common_robot(mission.fleet), MethodSettings()
+    robot, settings = common_robot(mission.fleet), Algorithms()
     paths = ShortestPaths(standing_space(mission, 0.0))
     framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)
     stages = cut_in_segments(framed, robot, paths, settings)
@@ -256,13 +219,13 @@ def test_lengths_measured_on_routes_move_the_cuts() -> None:
 def test_robots_are_shared_out_among_parts_by_their_load() -> None:
     parts = MultiPolygon([box(0, 0, 60, 40), box(70, 0, 90, 40)])
     mission = replace(YARD, area=parts, obstacles=(), zones=())
-    robot, settings = common_robot(mission.fleet), MethodSettings()
+    robot, settings = common_robot(mission.fleet), Algorithms()
     framed = framed_sensors(mission, ShortestPaths(parts), settings.deployments[0], settings, seed=0)
     assert len(framed.parts) == 2
-    counts = share_out(framed, robot, settings, 4)
+    counts = share_out(framed, robot, settings.partition, 4)
     assert sorted(counts) == [1, 3]
-    assert sum(share_out(framed, robot, settings, 9)) == 9
-    assert share_out(framed, robot, settings, 1) == [1, 1]
+    assert sum(share_out(framed, robot, settings.partition, 9)) == 9
+    assert share_out(framed, robot, settings.partition, 1) == [1, 1]
 
 
 def by_brute_force(share: Callable[[int, int], float], n: int, segments: int) -> float:
@@ -285,9 +248,7 @@ def test_too_few_segments_are_late_alike(seed: int) -> None:
         places = (first + np.arange(count)) % n
         return float((2 * legs[places[:-1]].sum() + 10 * np.pi) / 20 / periods[places].min())
 
-    found = partition_frame(
-        legs, periods, speed_m_s=20, sensor_radius_m=5, segments=segments, settings=PartitionSettings(too_few="even")
-    )
+    found = partition_frame(legs, periods, speed_m_s=20, sensor_radius_m=5, segments=segments)
     assert len(found.first) == segments
     assert not found.kept
     assert (found.times_s / found.periods_s).max() == pytest.approx(by_brute_force(share, n, segments))

@@ -10,17 +10,17 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LinearRing, LineString, MultiPolygon, Point, Polygon, box
 
-from rota.errors import MissionError, PlanError
+from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame, route_length_m
 from rota.planners.patrol.methods.sun2019.route import joined_rings, length_m, route_round, segment_line
-from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.tour import find_frame
 
 Floats = NDArray[np.float64]
 OPEN = ShortestPaths(MultiPolygon([box(-100, -100, 100, 100)]))
 R = 5.0
+CIRCLE_M = 32 * 2 * R * math.sin(math.pi / 32)  # the border of a disc with eight corners to a quarter
+CUT_OFF_M = R * (1 - math.cos(math.pi / 32))  # by its straight sides
 BEND_M2 = (1 - math.pi / 4) * R**2  # in a right angle: a square of side R, less what is seen from its inner corner
 
 
@@ -32,35 +32,34 @@ def unseen(route_m: Floats, ground: shapely.Geometry) -> float:
 @pytest.mark.parametrize("angle", [0.0, 0.7, math.pi / 2])
 def test_round_a_straight_segment_it_is_twice_the_segment_and_a_circle(angle: float) -> None:
     line = np.outer(np.linspace(-20, 20, 5), [math.cos(angle), math.sin(angle)])
-    route = route_round(line, OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
-    assert length_m(route) == pytest.approx(2 * 40 + 2 * math.pi * R, rel=1e-4)
-    assert length_m(route) == pytest.approx(route_length_m(40, R), rel=1e-4)
-    assert length_m(route_round(line, OPEN, radius_m=R)) == pytest.approx(2 * 40 + 2 * math.pi * R, rel=1e-3)
+    route = route_round(line, OPEN, radius_m=R)
+    assert length_m(route) == pytest.approx(2 * 40 + CIRCLE_M)
+    assert length_m(route) == pytest.approx(route_length_m(40, R), rel=1e-3)
     assert shapely.hausdorff_distance(LinearRing(route), LineString(line)) == pytest.approx(R, rel=1e-9)
-    # the promise of Figure 9a: all within 2 r_s of the segment is seen
-    assert unseen(route, LineString(line).buffer(2 * R, quad_segs=64)) < 0.1
+    # the promise of Figure 9a: all within 2 r_s of the segment is seen, but for what the corners cut off
+    assert unseen(route, LineString(line).buffer(2 * R - CUT_OFF_M, quad_segs=64)) < 0.1
 
 
 def test_round_one_waypoint_it_is_a_circle() -> None:
-    route = route_round(np.array([[3.0, 4.0]]), OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
-    assert length_m(route) == pytest.approx(2 * math.pi * R, rel=1e-4)
+    route = route_round(np.array([[3.0, 4.0]]), OPEN, radius_m=R)
+    assert length_m(route) == pytest.approx(CIRCLE_M)
     assert np.hypot(*(route - [3, 4]).T) == pytest.approx(R)
-    twice = route_round(np.array([[3.0, 4.0], [3, 4]]), OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
+    twice = route_round(np.array([[3.0, 4.0], [3, 4]]), OPEN, radius_m=R)
     assert twice.tolist() == route.tolist()
 
 
 def test_a_right_angle_saves_its_inner_side_and_leaves_a_pocket() -> None:
     # inside, both lanes end where they cross, r before the bend; outside, a quarter of a circle joins them
     line = np.array([[0.0, 0.0], [30, 0], [30, 30]])
-    route = route_round(line, OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
-    assert length_m(route) == pytest.approx(2 * 60 + 2 * math.pi * R + math.pi / 2 * R - 2 * R, rel=1e-4)
-    assert unseen(route, LineString(line).buffer(2 * R)) == pytest.approx(BEND_M2, rel=0.01)
+    route = route_round(line, OPEN, radius_m=R)
+    assert length_m(route) == pytest.approx(2 * 60 + 1.25 * CIRCLE_M - 2 * R)
+    assert unseen(route, LineString(line).buffer(2 * R - CUT_OFF_M)) == pytest.approx(BEND_M2, rel=0.01)
 
 
 def test_lanes_that_run_together_have_one_border_and_a_pocket_between_them() -> None:
     # 6 m apart: the widened lanes are one shape 16 m wide, whose middle is 8 m from its border
     line = np.array([[0.0, 0.0], [40, 0], [40, 6], [0, 6]])
-    route = route_round(line, OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
+    route = route_round(line, OPEN, radius_m=R)
     # the lanes' open ends are two half discs 6 m apart, which have half a lens in common
     lens = 2 * R**2 * math.acos(6 / (2 * R)) - 3 * math.sqrt(4 * R**2 - 36)
     assert Polygon(route).area == pytest.approx(40 * 16 + 5 * 6 + 1.5 * math.pi * R**2 - lens / 2, rel=1e-3)
@@ -71,13 +70,14 @@ def test_lanes_that_run_together_have_one_border_and_a_pocket_between_them() -> 
 
 def test_ground_enclosed_is_gone_round_from_inside_too() -> None:
     line = np.array([[0.0, 0.0], [40, 0], [40, 40], [0, 40], [0, 1]])
-    route = route_round(line, OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
+    route = route_round(line, OPEN, radius_m=R)
     # outside 4 sides and a circle, inside a square of 30, and the 10 m between them to and fro
     assert length_m(route) == pytest.approx(4 * 40 + 2 * math.pi * R + 4 * 30 + 2 * 10, rel=0.01)
     # but for the pockets of the three bends, where lanes of one segment do not meet as they do at (0, 0)
-    assert unseen(route, LineString(line).buffer(2 * R)) == pytest.approx(3 * BEND_M2, rel=0.01)
-    outer = route_round(line, OPEN, radius_m=R, settings=RouteSettings(hole=100))
-    assert length_m(outer) == pytest.approx(4 * 40 + 2 * math.pi * R, rel=0.01)
+    assert unseen(route, LineString(line).buffer(2 * R - CUT_OFF_M)) == pytest.approx(3 * BEND_M2, rel=0.01)
+    # a ring so narrow that it encloses less than a quarter of a disc is gone round from outside only
+    narrow = np.array([[0.0, 0.0], [13, 0], [13, 13], [0, 13], [0, 1]])
+    assert length_m(route_round(narrow, OPEN, radius_m=R)) == pytest.approx(4 * 13 + 2 * math.pi * R, rel=0.01)
 
 
 def test_an_obstacle_across_is_followed_and_never_entered() -> None:
@@ -132,7 +132,7 @@ def test_round_random_segments_among_obstacles_it_stays_in_the_free_space(seed: 
 def test_segments_hold_their_waypoints_and_join_where_asked() -> None:
     angles = np.arange(12) * 2 * np.pi / 12
     places = 30 * np.column_stack([np.cos(angles), np.sin(angles)])
-    frame = find_frame(places, np.zeros(12, np.int64), OPEN, virtual_radius_m=10, settings=TourSettings(), seed=0)
+    frame = find_frame(places, np.zeros(12, np.int64), OPEN, virtual_radius_m=10, seed=0)
     partition = partition_frame(frame.legs_m, np.full(12, 8.0), speed_m_s=20, sensor_radius_m=R, segments=3)
     leg = 2 * 30 * math.sin(math.pi / 12)
     seen: list[tuple[float, float]] = []
@@ -156,18 +156,3 @@ def test_two_rings_become_one_route() -> None:
 def test_a_segment_outside_the_space_is_refused() -> None:
     with pytest.raises(PlanError, match="outside the space"):
         route_round(np.array([[500.0, 0], [510, 0]]), OPEN, radius_m=R)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "told"),
-    [
-        ({"routes": "straight"}, "shortened, repaired or printed"),
-        ({"arc_corners": 1}, "arc_corners: 1"),
-        ({"repairs": 0}, "repairs: 0"),
-        ({"recuts": -1}, "recuts: -1"),
-        ({"most_load": 0.0}, "most_load: 0 is"),
-    ],
-)
-def test_settings_that_are_not_allowed(wrong: dict[str, float], told: str) -> None:
-    with pytest.raises(MissionError, match=told):
-        RouteSettings(**wrong)

@@ -14,8 +14,6 @@ from rota.planners.patrol.ground.viewpoints import choose_viewpoints
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-MOST_ROUNDS = 10  # of dominance; after two or three there is hardly anything left to drop
-
 
 def greedy_cover(start: Ints, items: Ints, cells: int) -> Ints:
     """Places (k,), each chosen for the most cells that no place before it sees; of equal places the first.
@@ -26,7 +24,7 @@ def greedy_cover(start: Ints, items: Ints, cells: int) -> Ints:
     return chosen
 
 
-def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tuple[Ints, int]:
+def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int = 1) -> tuple[Ints, int]:
     """As few places (k,) as see all cells that any place sees, and a lower bound for any choice of these places.
 
     start (c + 1,), items: the cells that each place sees, of ``cells`` cells. Integer programming (HiGHS) decides on
@@ -61,7 +59,7 @@ def leave_out_dominated(sees: csr_matrix) -> tuple[Ints, Ints]:
     """
     places = np.arange(sees.shape[0])
     cells = np.flatnonzero(sees.getnnz(axis=0) > 0)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(10):  # after two or three there is hardly anything left to drop
         before = len(places) + len(cells)
         places = places[~_within_another(sees[places][:, cells])]
         cells = cells[~_holds_another(sees[places][:, cells].T.tocsr())]

@@ -19,13 +19,6 @@ from rota.planners.patrol.tours.visiting_order import nearest_places
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEIGHBOURS, MORE_NEIGHBOURS = 8, 4  # by the distance itself, and by ``nearness``
-LONGEST_KICK = 30  # waypoints in each stretch of a kick: near enough to mend in a few moves
-FEWEST = 8  # waypoints for which there is something to search; below, all orders are tried
-ROUNDS = 100  # stretches of the search after each of which the length is written down
-ROOM = 100_000  # reversals between two kicks that can be undone; a first descent takes a few per waypoint
-ROUNDING = 1e-11  # of the longest distance: gains this small are rounding
-
 
 def locally_shortest_tour(
     distance: Floats, *, kicks_per_waypoint: int, seed: int, nearness: Floats | None = None
@@ -42,19 +35,20 @@ def locally_shortest_tour(
         raise ValueError("distance: every waypoint must be reachable from every other; it holds inf or nan")
     if kicks_per_waypoint < 0:
         raise ValueError(f"kicks_per_waypoint: {kicks_per_waypoint!r} is not allowed; must be 0 or more")
-    if n < FEWEST:
+    if n < 8:  # nothing to search
         order = shortest_of_all(distance)
         return order, np.array([tour_length(distance, order)])
     search = _lay_out(distance, neighbours(distance, nearness), seed)
-    eps = ROUNDING * float(distance.max())
+    eps = 1e-11 * float(distance.max())  # gains this small are rounding
     while search.ints[Count.QUEUED]:  # more than once only if there was no room to write all reversals down
         improve(eps, search)
         search.ints[0] = 0
     history = [tour_length(distance, search.order)]
     done, whole = 0, kicks_per_waypoint * n
-    for share in range(1, ROUNDS + 1):
-        kicks(whole * share // ROUNDS - done, min(LONGEST_KICK, (n - 2) // 3), eps, search)
-        done = whole * share // ROUNDS
+    longest = min(30, (n - 2) // 3)  # stretches of a kick: near enough to mend in a few moves
+    for share in range(1, 101):
+        kicks(whole * share // 100 - done, longest, eps, search)
+        done = whole * share // 100
         history.append(tour_length(distance, search.order))
     return search.order.copy(), np.array(history)
 
@@ -65,15 +59,15 @@ def tour_length(distance: Floats, order: Ints) -> float:
 
 
 def neighbours(distance: Floats, nearness: Floats | None) -> Ints:
-    """For each waypoint the others (n, k) worth a leg, nearest first: the nearest, then some by nearness."""
+    """For each waypoint the others (n, k) worth a leg, nearest first: the eight nearest, then four by nearness."""
     n = len(distance)
     rows = np.arange(n)[:, None]
-    near = nearest_places(distance, NEIGHBOURS)
+    near = nearest_places(distance, 8)
     if nearness is not None:
         apart = nearness.copy()
         np.fill_diagonal(apart, np.inf)
         apart[rows, near] = np.inf
-        more = min(MORE_NEIGHBOURS, n - 1 - near.shape[1])
+        more = min(4, n - 1 - near.shape[1])
         near = np.hstack([near, np.argsort(apart, axis=1, kind="stable")[:, :more]])
     return np.ascontiguousarray(near[rows, np.argsort(distance[rows, near], axis=1, kind="stable")])
 
@@ -99,6 +93,7 @@ def _lay_out(distance: Floats, near: Ints, seed: int) -> Search:
     place[order] = np.arange(n)
     ints = np.zeros(len(Count), dtype=np.int64)
     ints[Count.QUEUED] = n
+    room = 100_000  # reversals between two kicks that can be undone; a first descent takes a few per waypoint
     return Search(
         d=distance,
         near=near,
@@ -106,7 +101,7 @@ def _lay_out(distance: Floats, near: Ints, seed: int) -> Search:
         place=place,
         queue=order.copy(),
         in_queue=np.ones(n, dtype=np.bool_),
-        reversed=np.zeros((ROOM, 2), dtype=np.int64),
+        reversed=np.zeros((room, 2), dtype=np.int64),
         touched=np.zeros(2 * DEEPEST + 2, dtype=np.int64),
         ints=ints,
         rng=np.random.SeedSequence(seed).generate_state(1, np.uint64) | np.uint64(1),

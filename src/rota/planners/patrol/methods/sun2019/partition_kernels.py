@@ -37,7 +37,7 @@ class Layers(NamedTuple):
     """Room for the dynamic programming: the best way to cut the first ``at`` waypoints into k segments.
 
     late: (segments + 1, n + 1) by k and at, seconds that its segments are late together; inf where there is none.
-    uneven: (segments + 1, n + 1) the sum of the squares of its (time + margin) / period. chosen: (segments + 1, n + 1)
+    uneven: (segments + 1, n + 1) the sum of the squares of its times / periods. chosen: (segments + 1, n + 1)
     waypoints of its last segment. least_at: (segments + 1,) by k, the smallest ``at`` from which the segments left can
     still reach the end.
     """
@@ -69,26 +69,19 @@ def segment_time_s(first: int, count: int, ring: Ring) -> float:
 
 
 @allocation_free
-def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
-    """By how much the segment's time and the margin exceed its period; negative where they do not."""
-    return segment_time_s(first, count, ring) + margin_s - segment_period_s(first, count, ring)
-
-
-@allocation_free
-def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, longest: Any) -> None:
+def longest_counts(share: float, ring: Ring, longest: Any) -> None:
     """Fill longest (n,) with the most waypoints, 1 or more, of a segment from each waypoint on within its period.
 
-    Time and margin exceed ``share`` of the period by at most ``allowed_s``; with ``allowed_s`` 0 they are less, as Eq.
-    25 asks. A longer segment takes longer and has no longer period, so that the ends only move on.
+    Times are less than ``share`` of the period, as Eq. 25 asks. A longer segment takes longer and has no longer period,
+    so that the ends only move on.
     """
     n = longest.shape[0]
     count = 1
     for first in range(n):
         count = max(1, count - 1)
         while count < n:
-            time_s = segment_time_s(first, count + 1, ring) + margin_s
-            over_s = time_s - share * segment_period_s(first, count + 1, ring)
-            if over_s > allowed_s or (allowed_s == 0.0 and over_s == 0.0):
+            time_s = segment_time_s(first, count + 1, ring)
+            if time_s - share * segment_period_s(first, count + 1, ring) >= 0.0:
                 break
             count += 1
         longest[first] = count
@@ -141,19 +134,19 @@ def better(late: float, uneven: float, than_late: float, than_uneven: float) -> 
 
 
 @allocation_free
-def best_partition(segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers, first: Any) -> bool:
+def best_partition(segments: int, longest: Any, ring: Ring, layers: Layers, first: Any) -> bool:
     """Find the best partition into ``segments`` segments by dynamic programming; False where there is none.
 
     longest: (n,) the most waypoints of a segment, by its first one. first: (segments,) is filled with the segments'
-    first waypoints. Best is the smallest sum of what segments are late (the margin counted), then the smallest sum of
-    the squares of (time + margin) / period. Each waypoint where a segment may begin is tried as the start.
+    first waypoints. Best is the smallest sum of what segments are late, then the smallest sum of the squares of time /
+    period. Each waypoint where a segment may begin is tried as the start.
     """
     n = longest.shape[0]
     place = narrowest_place(longest)
     best_late, best_uneven = math.inf, math.inf
     for back in range(starts_before(place, longest)):
         start = (place - back) % n
-        lay_out_from(start, segments, margin_s, longest, ring, layers)
+        lay_out_from(start, segments, longest, ring, layers)
         late, uneven = layers.late[segments, n], layers.uneven[segments, n]
         if better(late, uneven, best_late, best_uneven):
             best_late, best_uneven = late, uneven
@@ -165,7 +158,7 @@ def best_partition(segments: int, margin_s: float, longest: Any, ring: Ring, lay
 
 
 @allocation_free
-def lay_out_from(start: int, segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers) -> None:
+def lay_out_from(start: int, segments: int, longest: Any, ring: Ring, layers: Layers) -> None:
     """Fill the layers with the best way to cut the first ``at`` waypoints from ``start`` on, for all at and k."""
     n = longest.shape[0]
     late, uneven, chosen, least_at = layers
@@ -190,7 +183,7 @@ def lay_out_from(start: int, segments: int, margin_s: float, longest: Any, ring:
                 continue
             first = (start + at) % n
             for count in range(max(1, least_at[k + 1] - at), min(longest[first], farthest - at) + 1):
-                time = segment_time_s(first, count, ring) + margin_s
+                time = segment_time_s(first, count, ring)
                 period = segment_period_s(first, count, ring)
                 sum_late = late[k, at] + max(0.0, time - period)
                 sum_uneven = uneven[k, at] + (time / period) ** 2

@@ -8,38 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.mission import DiscSensor, Mission, Robot
+from rota.model.mission import Mission, Robot
 from rota.planners.patrol.ground.problem import common_robot
+from rota.planners.patrol.methods.sun2019.algorithms import Algorithms, FramePartition, SensorCover
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame, route_length_m
+from rota.planners.patrol.methods.sun2019.frame import PartFrame, radius_m
+from rota.planners.patrol.methods.sun2019.partition import Partition, route_length_m
 from rota.planners.patrol.methods.sun2019.route import route_round, segment_line
-from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, segment_lengths_m
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
+from rota.planners.patrol.methods.sun2019.tour import find_frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-MOST_SCALED = 2.0  # times its length, or part of it, that a leg counts as after one measuring
-
-
-@dataclass(frozen=True, kw_only=True)
-class PartFrame:
-    """The frame past the sensors in one connected part of the space; the paper's ground has one part.
-
-    frame: its order counts the part's sensors; sensors: (n,) their numbers in the deployment. waypoint_periods_s: (n,)
-    along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) the length that each leg counts as in the partition:
-    its own, until routes round it turn out longer or shorter than Eq. 26 has them. route_lengths_m: (n, n) metres round
-    each stretch of the frame; None where the partition estimates them.
-    """
-
-    frame: Frame
-    sensors: Ints
-    waypoint_periods_s: Floats
-    part: int
-    legs_m: Floats
-    route_lengths_m: Floats | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,16 +59,10 @@ class Stages:
 
 
 def framed_sensors(
-    mission: Mission,
-    paths: ShortestPaths,
-    deploy: DeploySettings,
-    settings: MethodSettings,
-    *,
-    seed: int,
-    threads: int | None = None,
+    mission: Mission, paths: ShortestPaths, deploy: SensorCover, algorithms: Algorithms, *, seed: int
 ) -> Framed:
     """Deploy sensors and find the frames past them. paths: of the space where the mission's robots can be."""
-    deployment = deploy_sensors(mission, deploy, seed=seed, threads=threads)
+    deployment = deploy_sensors(mission, deploy, seed=seed)
     positions_m, zone, periods_s = deployment.positions_m, deployment.zone_of, deployment.periods_s
     parts, robot = paths.part_of(positions_m), common_robot(mission.fleet)
     frames = []
@@ -97,15 +70,9 @@ def framed_sensors(
         members = np.flatnonzero(parts == part)
         frame = find_frame(
             positions_m[members], zone[members], paths, virtual_radius_m=deployment.virtual_radius_m,
-            settings=settings.tour, seed=seed,
+            algorithm=algorithms.tour, seed=seed,
         )  # fmt: skip
         along_s = periods_s[members][frame.order]
-        lengths_m = None
-        if settings.partition.times == "routes":
-            lengths_m = route_lengths_m(
-                frame, along_s, paths, speed_m_s=robot.ground_speed_m_s, radius_m=radius_m(robot),
-                joining_legs=settings.partition.joining_legs, settings=settings.route,
-            )  # fmt: skip
         frames.append(
             PartFrame(
                 frame=frame,
@@ -113,58 +80,41 @@ def framed_sensors(
                 waypoint_periods_s=along_s,
                 part=int(part),
                 legs_m=frame.legs_m,
-                route_lengths_m=lengths_m,
+                route_lengths_m=algorithms.partition.route_lengths_m(frame, along_s, paths, robot),
             )
         )
     return Framed(deployment=deployment, parts=tuple(frames), seed=seed)
 
 
 def cut_in_segments(
-    framed: Framed, robot: Robot, paths: ShortestPaths, settings: MethodSettings, *, robots: int | None = None
+    framed: Framed, robot: Robot, paths: ShortestPaths, algorithms: Algorithms, *, robots: int | None = None
 ) -> Stages:
     """Cut the frames into segments and lead the routes round them.
 
     robots: how many segments in all, but at least one in each part and no more than it has sensors; None: as many as
     the partition needs. Parts with the least load give robots up first.
     """
-    counts = None if robots is None else share_out(framed, robot, settings, robots)
+    counts = None if robots is None else share_out(framed, robot, algorithms.partition, robots)
     partitions = [
-        partition_of(part, robot, settings, seed=framed.seed, segments=None if counts is None else counts[k])
+        algorithms.partition.cut(part, robot, segments=None if counts is None else counts[k], seed=framed.seed)
         for k, part in enumerate(framed.parts)
     ]
     return Stages(
         framed=framed,
         partitions=tuple(partitions),
         segments=tuple(
-            _segment(part, partition, k, robot, paths, settings)
+            _segment(part, partition, k, robot, paths, algorithms.partition)
             for part, partition in zip(framed.parts, partitions, strict=True)
             for k in range(len(partition.first))
         ),
     )
 
 
-def partition_of(
-    part: PartFrame, robot: Robot, settings: MethodSettings, *, seed: int, segments: int | None = None
-) -> Partition:
-    """The frame of one part cut into segments for a robot, as many as given or needed."""
-    lengths_m = part.route_lengths_m
-    if lengths_m is not None and part.legs_m is not part.frame.legs_m:
-        counted_m, really_m = (
-            segment_lengths_m(legs_m, joining_legs=settings.partition.joining_legs)
-            for legs_m in (part.legs_m, part.frame.legs_m)
-        )
-        lengths_m = lengths_m * np.divide(counted_m, really_m, out=np.ones_like(counted_m), where=really_m > 0)
-    return partition_frame(
-        part.legs_m, part.waypoint_periods_s, speed_m_s=robot.ground_speed_m_s, sensor_radius_m=radius_m(robot),
-        segments=segments, route_lengths_m=lengths_m, settings=settings.partition, seed=seed,
-    )  # fmt: skip
-
-
-def share_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: int) -> list[int]:
+def share_out(framed: Framed, robot: Robot, algorithm: FramePartition, robots: int) -> list[int]:
     """Robots of each part (p,), ``robots`` in all: one more where the load is greatest, one fewer where it is least."""
     if len(framed.parts) == 1:
         return [min(max(robots, 1), len(framed.parts[0].sensors))]
-    needed = [partition_of(part, robot, settings, seed=framed.seed) for part in framed.parts]
+    needed = [algorithm.cut(part, robot, segments=None, seed=framed.seed) for part in framed.parts]
     loads = [float((partition.times_s / partition.periods_s).sum()) for partition in needed]
     counts, most = [len(partition.first) for partition in needed], [len(part.sensors) for part in framed.parts]
     while sum(counts) > robots and max(counts) > 1:
@@ -192,26 +142,20 @@ def measure(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
             else:
                 long_m, really_m = float(partition.times_s[k]) * robot.ground_speed_m_s, float(driven_m[at])
             if long_m > 0:
-                legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
+                legs_m[inner] *= np.clip(really_m / long_m, 0.5, 2.0)  # a single driven route says only so much
             at += 1
         frames.append(replace(part, legs_m=legs_m))
     return replace(stages.framed, parts=tuple(frames))
 
 
-def radius_m(robot: Robot) -> float:
-    """r_s, of a robot with a disc sensor; deployment has refused any other."""
-    assert isinstance(robot.sensor, DiscSensor)
-    return robot.sensor.radius_m
-
-
 def _segment(
-    part: PartFrame, partition: Partition, k: int, robot: Robot, paths: ShortestPaths, settings: MethodSettings
+    part: PartFrame, partition: Partition, k: int, robot: Robot, paths: ShortestPaths, algorithm: FramePartition
 ) -> Segment:
     """Segment number k of a partition with the route round it."""
-    line_m = segment_line(part.frame, partition, k, joining_legs=settings.partition.joining_legs)
+    line_m = segment_line(part.frame, partition, k, joining_legs=algorithm.joining_legs)
     return Segment(
         line_m=line_m,
-        route_m=route_round(line_m, paths, radius_m=radius_m(robot), settings=settings.route),
+        route_m=route_round(line_m, paths, radius_m=radius_m(robot)),
         time_s=float(partition.times_s[k]),
         period_s=float(partition.periods_s[k]),
         part=part.part,

@@ -1,21 +1,20 @@
 """The frame: a closed path past all deployed sensors (Sun et al. 2019, Section 4.3).
 
 Distances between sensors are those of the proximity graph (Eq. 14), in which every change of sub-region counts as alpha
-more metres; the travelling salesman's tour over them is found by the paper's genetic algorithm or by our local search.
+more metres; the travelling salesman's tour over them is found by an algorithm of ``algorithms``.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
-from rota.planners.patrol.methods.sun2019.genetic import genetic_tour
+from rota.planners.patrol.methods.sun2019.algorithms import FrameTour
+from rota.planners.patrol.methods.sun2019.frame import Frame
 from rota.planners.patrol.methods.sun2019.graph import (
     ProximityGraph,
     changes_zone,
@@ -23,39 +22,10 @@ from rota.planners.patrol.methods.sun2019.graph import (
     proximity_graph,
     shortest_sequence,
 )
-from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour
 from rota.planners.patrol.methods.sun2019.mission_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Frame:
-    """A closed path past all sensors, and what it is made of.
-
-    order: (n,) the sensors as they follow each other. Leg i goes from sensor order[i] to the next one (the last to
-    order[0]); its polyline is path_m[leg_start[i] : leg_start[i + 1] + 1] and its length legs_m[i].
-    path_m: (k, 2) metres; it ends where it begins. legs_m: (n,). length_m: their sum, without alpha.
-    tour_length: what was minimised, the sum of Eq. 14's distances (alpha included) or of the straight ones.
-    zone_crossings: changes of sub-region along the path. blocked_legs: legs that no robot can travel as they are,
-    because an obstacle or the outside is in the way; only straight distances give any.
-    history: the shortest tour_length so far, by generation (genetic) or by hundredth of the kicks (local search).
-    """
-
-    order: Ints
-    path_m: Floats
-    leg_start: Ints
-    legs_m: Floats
-    tour_length: float
-    zone_crossings: int
-    blocked_legs: int
-    history: Floats
-
-    @property
-    def length_m(self) -> float:
-        """Actual length of the closed path."""
-        return float(self.legs_m.sum())
 
 
 def find_frame(
@@ -64,7 +34,7 @@ def find_frame(
     paths: ShortestPaths,
     *,
     virtual_radius_m: float,
-    settings: TourSettings | None = None,
+    algorithm: FrameTour | None = None,
     seed: int,
 ) -> Frame:
     """The frame past the sensors at positions_m (n, 2) metres, deployed in sub-regions zone (n,), n >= 1.
@@ -76,7 +46,7 @@ def find_frame(
     Raises ValueError for no sensors, PlanError for a sensor outside the space, NoPlanFound when they lie in two parts
     of it. Source: Section 4.3.
     """
-    settings = settings or TourSettings()
+    algorithm = algorithm or FrameTour()
     if len(positions_m) == 0:
         raise ValueError("positions_m: no sensors; a frame needs at least one")
     if not (math.isfinite(virtual_radius_m) and virtual_radius_m > 0):
@@ -85,19 +55,19 @@ def find_frame(
         positions_m,
         zone,
         paths,
-        neighbour_range_m=settings.neighbour_range * virtual_radius_m,
-        alpha=settings.alpha_m,
+        neighbour_range_m=algorithm.neighbour_range * virtual_radius_m,
+        alpha=algorithm.alpha_m,
     )
     straight_m = straight_distances(graph.positions_m)
-    distance = graph_distances(graph) if settings.distance == "graph" else straight_m
-    order, history = shortest_order(distance, straight_m, settings, seed)
+    distance = graph_distances(graph) if algorithm.distance == "graph" else straight_m
+    order, history = algorithm.order(distance, straight_m, seed)
     order = canonical_order(order, graph.zone)
-    if settings.distance == "euclidean":
+    if algorithm.distance == "euclidean":
         legs = [np.array([a, b]) for a, b in zip(order, np.roll(order, -1), strict=True)]
         pieces_m = [graph.positions_m[leg] for leg in legs]
         changes = sum(int(changes_zone(graph.zone[a], graph.zone[b])) for a, b in legs)
     else:
-        pieces_m, changes = travel(graph, order, settings.a_star)
+        pieces_m, changes = travel(graph, order, algorithm.a_star)
     blocked = [not bool(segments_free(piece[:-1], piece[1:], paths.grid).all()) for piece in pieces_m]
     return Frame(
         order=order,
@@ -108,22 +78,6 @@ def find_frame(
         zone_crossings=changes,
         blocked_legs=sum(blocked),
         history=history,
-    )
-
-
-def shortest_order(distance: Floats, straight_m: Floats, settings: TourSettings, seed: int) -> tuple[Ints, Floats]:
-    """The sensors in the order of the shortest tour found over their distances (n, n), and its history."""
-    if settings.method == "genetic":
-        return genetic_tour(
-            distance,
-            generations=settings.generations,
-            population=settings.population,
-            regroup_every=settings.regroup_every,
-            reversal_tries=settings.reversal_tries,
-            seed=seed,
-        )
-    return locally_shortest_tour(
-        distance, nearness=straight_m, kicks_per_waypoint=settings.kicks_per_waypoint, seed=seed
     )
 
 

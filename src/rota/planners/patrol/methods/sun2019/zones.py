@@ -31,10 +31,6 @@ from rota.planners.patrol.tolerances import SLIVER_M2
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-VIRTUAL = 2.0  # r_v = 2 r_s: a route on either side of the frame lets a robot see that far from it
-QUARTERINGS = 4  # of a cell that bends round a corner, so that no place sees all of it: down to a 16th of its side
-CELL_SHARE = 0.24  # of r_v: 50 x 50 cells on 120 m, for r_v = 10 m
-
 
 @dataclass(frozen=True, kw_only=True)
 class CoverTask:
@@ -59,7 +55,7 @@ class ZoneTasks:
 
     The first task is the paper's: sensors in the zone itself, zones already covered are obstacles. Cells that cannot
     be seen so (ground closed to motion, or behind a corner) make a second one: sensors wherever a robot can stand,
-    and only obstacles hide. Cells that no place sees whole are quartered, up to ``QUARTERINGS`` times. spot_m: where a
+    and only obstacles hide. Cells that no place sees whole are quartered, up to four times. spot_m: where a
     zone that asks for visits is visited; such a zone has no cells.
     """
 
@@ -72,7 +68,7 @@ class ZoneTasks:
 
 
 def virtual_radius_m(mission: Mission) -> float:
-    """r_v = 2 r_s, for the sensor that all robots of the fleet have in common.
+    """r_v = 2 r_s, for the sensor that all robots of the fleet have in common: so far a robot sees to either side.
 
     Raises MissionError for square sensors: the method is made for discs, whose route is as wide everywhere.
     """
@@ -82,22 +78,23 @@ def virtual_radius_m(mission: Mission) -> float:
             f"fleet.sensor: a square of side {sensor.side_m:.6g} m is not allowed; sensor deployment (Sun 2019) is for"
             " disc sensors, so give shape: disc and a radius_m"
         )
-    return VIRTUAL * sensor.radius_m
+    return 2.0 * sensor.radius_m
 
 
 def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCells) -> Iterator[ZoneTasks]:
     """The zones of a mission by their periods; zones of equal periods in the mission's order, the area last.
 
-    cell_m: side of a cell in metres, None for ``CELL_SHARE`` of the virtual radius. What lies in several zones belongs
-    to the one with the smallest period. Zones that ask for visits take one sensor and hide nothing from others. Raises
-    MissionError as ``virtual_radius_m`` does, and NoPlanFound where no robot can stand, or cells are too many.
+    cell_m: side of a cell in metres, None for 0.24 of the virtual radius, 50 x 50 cells on 120 m for 10 m. What lies
+    in several zones belongs to the one with the smallest period. Zones that ask for visits take one sensor and hide
+    nothing from others. Raises MissionError as ``virtual_radius_m`` does, and NoPlanFound where no robot can stand, or
+    cells are too many.
     """
     reach_m = virtual_radius_m(mission)
     body_m = common_robot(mission.fleet).body_radius_m
     standing = standing_space(mission, body_m)
     if standing.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
-    lattice = lattice_over(mission.area, CELL_SHARE * reach_m if cell_m is None else cell_m)
+    lattice = lattice_over(mission.area, 0.24 * reach_m if cell_m is None else cell_m)
     obstacles = polygons_of(
         shapely.union_all([item.shape for item in mission.obstacles if item.blocks_sight]), SLIVER_M2
     )
@@ -110,7 +107,7 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
         own = polygons_of(region.shape.intersection(standing), SLIVER_M2)
         grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
         tasks, left = cover_tasks(cells, (own, standing), grounds)
-        for _ in range(QUARTERINGS if len(left) else 0):
+        for _ in range(4 if len(left) else 0):
             cells = cells.quarter(left)
             tasks, left = cover_tasks(cells, (own, standing), grounds)
             if not len(left):

@@ -7,14 +7,12 @@ stretches are led once, before it begins, and their lengths are looked up.
 from __future__ import annotations
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.route import as_line, borders_of, length_m, route_round, stretch_line
-from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
-from rota.planners.patrol.methods.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.frame import Frame
+from rota.planners.patrol.methods.sun2019.route import as_line, borders_of, length_m, route_round, stretch_line, widen
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +45,6 @@ def route_lengths_m(
     speed_m_s: float,
     radius_m: float,
     joining_legs: bool,
-    settings: RouteSettings | None = None,
 ) -> Floats:
     """Metres (n, n) of the closed routes round the k + 1 waypoints from each on, n of them in the frame's order.
 
@@ -58,7 +55,6 @@ def route_lengths_m(
     frame: in one part of the space of ``paths``. waypoint_periods_s: (n,) along it. joining_legs: see
     ``PartitionSettings``.
     """
-    settings = settings or RouteSettings()
     n = len(frame.order)
     found_m = 2 * segment_lengths_m(frame.legs_m, joining_legs=joining_legs) + 2 * np.pi * radius_m
     allowed_m = speed_m_s * segment_periods_s(waypoint_periods_s)
@@ -71,11 +67,10 @@ def route_lengths_m(
     ]
     space = MultiPolygon([paths.parts[int(paths.part_of(lines[0][:1])[0])]])
     middles = np.array([as_line(line) for line in lines], dtype=object)
-    widened = shapely.intersection(shapely.buffer(middles, radius_m, quad_segs=settings.arc_corners), space)
-    hole_m2 = settings.hole * np.pi * radius_m**2
+    widened = widen(middles, radius_m, space)
     for a, k, line_m, middle, shape in zip(first, more, lines, middles, widened, strict=True):
-        rings = borders_of(shape, middle, space, hole_m2=hole_m2)
+        rings = borders_of(shape, middle, space, radius_m=radius_m)
         found_m[a, k] = sum(length_m(ring) for ring in rings)
         if len(rings) != 1 and found_m[a, k] <= TOO_LONG * allowed_m[a, k]:
-            found_m[a, k] = length_m(route_round(line_m, paths, radius_m=radius_m, settings=settings))
+            found_m[a, k] = length_m(route_round(line_m, paths, radius_m=radius_m))
     return found_m

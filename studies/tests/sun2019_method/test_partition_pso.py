@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 from benchmarks.sun_tables import TABLE_4
 
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
-from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
+from rota_studies.sun2019_method.partition import CostedPartition, PartitionSettings, cut_frame
 
 SMALL = replace(TABLE_4, swarms=40, particles=100)
 LEGS_M = np.random.default_rng(3).uniform(8, 14, 60)
 PERIODS_S = np.repeat([8.0, 40.0, 20.0, 40.0], [10, 25, 10, 15])
 
 
-def cut(settings: PartitionSettings, *, seed: int = 0, segments: int | None = None) -> Partition:
-    return partition_frame(
+def cut(settings: PartitionSettings, *, seed: int = 0, segments: int | None = None) -> CostedPartition:
+    return cut_frame(
         np.roll(LEGS_M, 1), np.roll(PERIODS_S, 1), speed_m_s=20, sensor_radius_m=5, settings=settings, seed=seed,
         segments=segments,
     )  # fmt: skip
@@ -38,7 +37,7 @@ def test_all_positions_are_tried_by_a_swarm_that_can_see_them_all() -> None:
     # two ends among five sensors: the best of all ten pairs, and of fewer ends, by Eq. 28
     legs, periods = np.array([10.0, 30, 10, 10, 40, 10]), np.array([20.0, 9, 9, 20, 20, 20])
     settings = replace(SMALL, swarms=4)
-    found = partition_frame(legs, periods, speed_m_s=10, sensor_radius_m=5, settings=settings, segments=3, seed=0)
+    found = cut_frame(legs, periods, speed_m_s=10, sensor_radius_m=5, settings=settings, segments=3, seed=0)
     costs = []
     for ends in [(a, b) for a in range(1, 7) for b in range(a, 7)]:
         total, before = 0.0, 0
@@ -76,7 +75,7 @@ def test_swarms_do_not_depend_on_each_other() -> None:
 
 @pytest.mark.parametrize("n", [1, 2])
 def test_hardly_any_waypoints(n: int) -> None:
-    found = partition_frame(
+    found = cut_frame(
         np.full(n, 5.0), np.full(n, 30.0), speed_m_s=10, sensor_radius_m=5, settings=replace(SMALL, swarms=5)
     )
     assert found.first.tolist() == [1 % n]

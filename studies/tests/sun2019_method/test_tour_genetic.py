@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 from benchmarks.sun_tables import TABLE_3
 from numpy.typing import NDArray
+from shapely import MultiPolygon, box
 
-from rota.planners.patrol.methods.sun2019.genetic import genetic_tour
-from rota.planners.patrol.methods.sun2019.genetic_kernels import closed_length, reversal_gain, reverse, slide, swap
+from rota.errors import MissionError
+from rota.geometry.free_space import standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
+from rota.planners.patrol.methods.sun2019.tour import find_frame
+from rota_studies.sun2019 import figure_13
+from rota_studies.sun2019_method.algorithms import TourSettings
+from rota_studies.sun2019_method.genetic import genetic_tour
+from rota_studies.sun2019_method.genetic_kernels import closed_length, reversal_gain, reverse, slide, swap
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -108,6 +116,44 @@ def test_families_kept_apart_for_a_while_end_with_shorter_tours() -> None:
         for every in (1, 300)
     }
     assert runs[300] < 0.99 * runs[1]
+
+
+def ring() -> Floats:
+    """Twenty-four places on a circle of 30 m, in any order."""
+    angles = np.random.default_rng(1).permutation(24) * 2 * np.pi / 24
+    return 30 * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def test_a_frame_past_a_ring_of_sensors_is_as_short_as_can_be_and_the_seed_decides() -> None:
+    places, paths = ring(), ShortestPaths(MultiPolygon([box(-100, -100, 100, 100)]))
+    asked = TourSettings(method="genetic", generations=2000, population=80)
+    one, again = (
+        find_frame(places, np.zeros(24, np.int64), paths, virtual_radius_m=10, algorithm=asked, seed=0)
+        for _ in range(2)
+    )
+    assert one.length_m == pytest.approx(2 * 30 * 24 * np.sin(np.pi / 24))
+    assert one.history.shape == (2000,)
+    assert one.history[-1] == pytest.approx(one.tour_length)
+    assert one.path_m.tolist() == again.path_m.tolist()
+    assert one.history.tolist() == again.history.tolist()
+
+
+def test_on_figure_13_it_comes_within_3_per_cent_of_the_local_search() -> None:
+    mission = figure_13()
+    found = deploy_sensors(mission)
+    paths = ShortestPaths(standing_space(mission, 0.0))
+    genetic, local = (
+        find_frame(found.positions_m, found.zone_of, paths, virtual_radius_m=10, algorithm=algorithm, seed=0)
+        for algorithm in (TourSettings(method="genetic", generations=5000), TourSettings())
+    )
+    assert genetic.zone_crossings == local.zone_crossings
+    assert local.length_m - 1e-6 <= genetic.length_m <= 1.03 * local.length_m
+
+
+def test_its_settings_are_refused_by_name() -> None:
+    for wrong in ({"method": "ants"}, {"population": 30}, {"reversal_tries": 0}):
+        with pytest.raises(MissionError, match=next(iter(wrong))):
+            TourSettings(**wrong)
 
 
 def test_table_3() -> None:

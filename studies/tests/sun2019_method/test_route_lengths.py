@@ -14,19 +14,16 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
-from rota.planners.patrol.methods.sun2019.partition import partition_frame
-from rota.planners.patrol.methods.sun2019.pso import rules_of
-from rota.planners.patrol.methods.sun2019.pso_kernels import cost_of
 from rota.planners.patrol.methods.sun2019.route import length_m, route_round, stretch_line
-from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
-from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measure
+from rota_studies.sun2019_method.mission_settings import Sun2019
+from rota_studies.sun2019_method.partition import PartitionSettings, cut_frame
+from rota_studies.sun2019_method.pso import rules_of
+from rota_studies.sun2019_method.pso_kernels import cost_of
+from rota_studies.sun2019_method.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
 
 SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
-SETTINGS = MethodSettings(partition=SMALL_SWARMS)
-FINE = RouteSettings(hole=0.01)
+SETTINGS = replace(Sun2019().algorithms("quick"), partition=SMALL_SWARMS)
 MISSION = Mission(
     name="yard",
     area=box(0, 0, 70, 60),
@@ -46,9 +43,7 @@ def framed() -> Framed:
 def test_lengths_are_those_of_the_routes(framed: Framed) -> None:
     (part,) = framed.parts
     frame, n = part.frame, len(part.frame.order)
-    found_m = route_lengths_m(
-        frame, part.waypoint_periods_s, PATHS, speed_m_s=20, radius_m=5, joining_legs=False, settings=FINE
-    )  # fmt: skip
+    found_m = route_lengths_m(frame, part.waypoint_periods_s, PATHS, speed_m_s=20, radius_m=5, joining_legs=False)
     assert found_m.shape == (n, n)
     allowed_m = 20 * segment_periods_s(part.waypoint_periods_s)
     estimate_m = 2 * segment_lengths_m(frame.legs_m, joining_legs=False) + 10 * np.pi
@@ -56,7 +51,7 @@ def test_lengths_are_those_of_the_routes(framed: Framed) -> None:
     near = np.argwhere(found_m <= 1.3 * allowed_m)
     for a, k in rng.permutation(near)[:200].tolist():
         line_m = stretch_line(frame, (a + np.arange(k + 1)) % n, joining_legs=False)
-        really_m = length_m(route_round(line_m, PATHS, radius_m=5, settings=FINE))
+        really_m = length_m(route_round(line_m, PATHS, radius_m=5))
         assert found_m[a, k] == pytest.approx(really_m, rel=1e-9)
     far = estimate_m > 3 * allowed_m
     assert found_m[far].tolist() == estimate_m[far].tolist()
@@ -101,7 +96,7 @@ def test_the_cheapest_partition_is_the_cheapest_of_all(seed: int) -> None:
     n, settings = 7, PartitionSettings(times="routes", margin_s=0.5, weight_late=float(rng.choice([50, 300, 5000])))
     routes_m, periods_s = rng.uniform(5, 60, (n, n)), rng.choice([8.0, 12, 20], n)
     for segments in (None, 1, 3, n):
-        found = partition_frame(
+        found = cut_frame(
             np.ones(n), periods_s, speed_m_s=2, sensor_radius_m=1, segments=segments, route_lengths_m=routes_m,
             settings=settings,
         )  # fmt: skip
@@ -119,7 +114,7 @@ def test_the_cheapest_partition_is_the_cheapest_of_all(seed: int) -> None:
 def test_swarms_come_near_the_cheapest_partition(framed: Framed) -> None:
     (part,) = framed.parts
     cheapest, swarms = (
-        partition_frame(
+        cut_frame(
             part.legs_m, part.waypoint_periods_s, speed_m_s=20, sensor_radius_m=5,
             route_lengths_m=part.route_lengths_m, settings=settings,
         )
@@ -132,4 +127,4 @@ def test_swarms_come_near_the_cheapest_partition(framed: Framed) -> None:
 def test_lengths_that_cannot_be_are_refused() -> None:
     for wrong in (np.ones((2, 3)), np.zeros((2, 2)), np.full((2, 2), np.nan)):
         with pytest.raises(ValueError, match=r"route_lengths_m: .*must be \(2, 2\) finite numbers"):
-            partition_frame(np.ones(2), np.ones(2), speed_m_s=1, sensor_radius_m=1, route_lengths_m=wrong)
+            cut_frame(np.ones(2), np.ones(2), speed_m_s=1, sensor_radius_m=1, route_lengths_m=wrong, settings=TABLE_4)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
+from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, segment_period_s, segment_time_s
 
 
 class Rules(NamedTuple):
@@ -56,6 +56,12 @@ def nearest_sensor(theta: float, cuts: Cuts) -> int:
     while k + 1 < cuts.share.shape[0] - 1 and cuts.share[k + 1] <= theta:
         k += 1
     return k if theta - cuts.share[k] <= cuts.share[k + 1] - theta else k + 1
+
+
+@allocation_free
+def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
+    """By how much the segment's time and the margin exceed its period; negative where they do not."""
+    return segment_time_s(first, count, ring) + margin_s - segment_period_s(first, count, ring)
 
 
 @allocation_free

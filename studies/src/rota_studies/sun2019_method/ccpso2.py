@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019 import sight_kernels, swarm_kernels, update_kernels
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.rule_kernels import MovementLaw, Terrain
-from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, At, Particles, Swarms
-from rota.planners.patrol.methods.sun2019.update_kernels import Iteration, Rules, Scratch, VelocityLaw
+from rota.planners.patrol.methods.sun2019 import sight_kernels
 from rota.planners.patrol.methods.sun2019.zones import CoverTask
+from rota_studies.sun2019_method import swarm_kernels, update_kernels
+from rota_studies.sun2019_method.mission_settings import SensorSettings
+from rota_studies.sun2019_method.rule_kernels import MovementLaw, Terrain
+from rota_studies.sun2019_method.swarm_kernels import DEPLOYED, At, Particles, Swarms
+from rota_studies.sun2019_method.update_kernels import Iteration, Rules, Scratch, VelocityLaw
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,7 +44,7 @@ def fitness(
 
 
 def evolve(
-    task: CoverTask, settings: DeploySettings, *, sensors: int, seed: np.random.SeedSequence, threads: int | None = None
+    task: CoverTask, settings: SensorSettings, *, sensors: int, seed: np.random.SeedSequence, threads: int | None = None
 ) -> Evolution:
     """Cover the task's cells with at most ``sensors`` sensors, as few as the swarms find; some cells may stay bare.
 
@@ -79,13 +80,13 @@ def evolve(
     return Evolution(positions_m=_deployed_m(swarms.context, box), counts=counts, cost=cost)
 
 
-def inertia_at(iteration: int, settings: DeploySettings) -> float:
+def inertia_at(iteration: int, settings: SensorSettings) -> float:
     """Omega(t) of Eq. 2: from A_MAX in iteration 0 evenly down to A_MIN in the last one."""
     share = iteration / max(1, settings.iterations - 1)
     return settings.inertia_max - (settings.inertia_max - settings.inertia_min) * share
 
 
-def neighbourhood(iteration: int, settings: DeploySettings) -> int:
+def neighbourhood(iteration: int, settings: SensorSettings) -> int:
     """M of Eq. 4, "increases with the number of iterations": from 1 evenly up to half the ring, which is all of it."""
     share = iteration / max(1, settings.iterations - 1)
     return 1 + round(share * max(0, settings.particles // 2 - 1))
@@ -96,7 +97,7 @@ def group_starts(sensors: int, size: int) -> Ints:
     return np.append(np.arange(0, sensors, size), sensors).astype(np.int64)
 
 
-def _regroup(swarms: Swarms, settings: DeploySettings, box: Floats, rng: np.random.Generator, first: bool) -> Swarms:
+def _regroup(swarms: Swarms, settings: SensorSettings, box: Floats, rng: np.random.Generator, first: bool) -> Swarms:
     """The same particles in other swarms: at first as many as asked for, later of a size drawn from the set."""
     n = len(swarms.order)
     size = -(-n // settings.swarms) if first else int(rng.choice(settings.group_sizes))
@@ -111,7 +112,7 @@ def _regroup(swarms: Swarms, settings: DeploySettings, box: Floats, rng: np.rand
     )  # fmt: skip
 
 
-def _first_swarms(task: CoverTask, settings: DeploySettings, sensors: int, rng: np.random.Generator) -> Swarms:
+def _first_swarms(task: CoverTask, settings: SensorSettings, sensors: int, rng: np.random.Generator) -> Swarms:
     """Particles at random all over the box, half of their sensors deployed."""
     cells = len(task.cells)
     most = sight_kernels.most_in_reach(task.cells.table, task.ground.reach_m)
@@ -135,7 +136,7 @@ def _particles(count: int, sensors: int, most: int) -> Particles:
     )  # fmt: skip
 
 
-def _rules(task: CoverTask, settings: DeploySettings, iteration: int) -> Rules:
+def _rules(task: CoverTask, settings: SensorSettings, iteration: int) -> Rules:
     """The settings as the kernels read them in an iteration, which the inertia depends on."""
     reach_m = task.ground.reach_m
     half_diagonal_m = task.cells.lattice.cell_m / np.sqrt(2)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.genetic_kernels import Population, evolve
+from rota_studies.sun2019_method.genetic_kernels import Population, evolve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from benchmarks.sun_tables import TABLE_3, TABLE_4
+from benchmarks.sun_tables import TABLE_2, TABLE_3, TABLE_4
 
 from rota.errors import MissionError, PlanError
 from rota.files.mission_file import read_mission
@@ -18,18 +18,19 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
-from rota.planners.patrol.methods.sun2019.mission_settings import (
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019 as OwnSettings
+from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.sweep.cells import combinations
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms
+from rota_studies.sun2019_method.mission_settings import (
     FrameSettings,
     SegmentSettings,
     SensorSettings,
     Sun2019,
 )
-from rota.planners.patrol.methods.sun2019.settings import settings_for
-from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
-from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.sweep.cells import combinations
 
-ROOT = Path(__file__).parents[5]
+ROOT = Path(__file__).parents[3]
 FIELD = """\
 rota: 1
 name: field
@@ -46,19 +47,42 @@ patrol:
 """
 
 
+def algorithms_of(mission: Mission) -> PaperAlgorithms:
+    planning = PatrolSettings.of(mission)
+    assert isinstance(planning.method_settings, Sun2019)
+    return planning.method_settings.algorithms(planning.effort)
+
+
 def mission_of(tmp_path: Path, text: str) -> Mission:
     (tmp_path / "field.yaml").write_text(text)
     return read_mission(tmp_path / "field.yaml").mission
 
 
 def test_stage_settings_of_a_mission_file_reach_the_stages(tmp_path: Path) -> None:
-    settings = settings_for(PatrolSettings.of(mission_of(tmp_path, FIELD + STAGES)))
+    settings = algorithms_of(mission_of(tmp_path, FIELD + STAGES))
     (deploy,) = settings.deployments
     assert (deploy.method, deploy.iterations, deploy.group_sizes, deploy.fusion) == ("ccpso2", 9, (3, 5), False)
     assert settings.tour == replace(
         TABLE_3, alpha_m=500, neighbour_range=3, a_star=replace(TABLE_3.a_star, rest=0.5), population=40
     )
     assert settings.partition == replace(TABLE_4, weight_late=400)
+
+
+def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
+    asked = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="printed")
+    found = asked.algorithms("quick")
+    assert found.deployments == (replace(TABLE_2, sensors_max=None),)
+    assert (found.tour, found.partition) == (TABLE_3, TABLE_4)
+    printed = replace(asked, sensors=SensorSettings(sensors_max=160)).algorithms("quick")
+    assert printed == replace(found, deployments=(TABLE_2,))
+    assert printed.routes == "printed"
+
+
+def test_best_is_the_same_as_without_this_distribution() -> None:
+    for effort in ("quick", "normal", "high"):
+        own, here = OwnSettings().algorithms(effort), Sun2019().algorithms(effort)
+        assert [cover.method for cover in here.deployments] == [cover.method for cover in own.deployments]
+        assert (here.tour.method, here.partition.method, here.routes) == ("local_search", "exact", own.routes)
 
 
 def test_a_plan_file_keeps_stage_settings_and_lacks_those_at_their_defaults(tmp_path: Path) -> None:
@@ -115,7 +139,7 @@ def test_a_sweep_over_alpha_shows_that_fewer_crossings_take_fewer_robots() -> No
     for combination in combinations(read_sweep(ROOT / "examples" / "sun2019-table6" / "alpha.yaml")):
         mission = combination.mission
         assert mission is not None
-        settings = settings_for(PatrolSettings.of(mission))
+        settings = algorithms_of(mission)
         if combination.mission_file == "case-1.yaml":
             paths = ShortestPaths(standing_space(mission, 0.0))
             framed = framed_sensors(mission, paths, settings.deployments[0], settings, seed=0)

@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition_kernels import Ring
-from rota.planners.patrol.methods.sun2019.pso_kernels import Cuts, Rules, Swarm, end_sensors, fly_all
+from rota_studies.sun2019_method.mission_settings import SegmentSettings
+from rota_studies.sun2019_method.pso_kernels import Cuts, Rules, Swarm, end_sensors, fly_all
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,7 +24,7 @@ BINS_PER_SENSOR = 4
 
 
 def swarm_partition(
-    ring: Ring, share: Floats, expected: float, settings: PartitionSettings, *, segments: int | None, seed: int
+    ring: Ring, share: Floats, expected: float, settings: SegmentSettings, *, segments: int | None, seed: int
 ) -> tuple[Ints, Floats]:
     """The best partition that the swarms find: the last sensor (m,) of each segment, and the cost by iteration.
 
@@ -53,7 +53,7 @@ def swarm_partition(
     return ends[:count] % n, history
 
 
-def rules_of(settings: PartitionSettings) -> Rules:
+def rules_of(settings: SegmentSettings) -> Rules:
     """The settings as the kernels take them."""
     return Rules(
         iterations=settings.iterations,

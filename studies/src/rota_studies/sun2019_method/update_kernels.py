@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.methods.sun2019.rule_kernels import (
+from rota.planners.patrol.methods.sun2019.sight_kernels import cells_seen, is_place
+from rota_studies.sun2019_method.rule_kernels import (
     TRIES,
     Group,
     MovementLaw,
@@ -19,8 +20,7 @@ from rota.planners.patrol.methods.sun2019.rule_kernels import (
     fuse_sensors,
     move_sensor,
 )
-from rota.planners.patrol.methods.sun2019.sight_kernels import cells_seen, is_place
-from rota.planners.patrol.methods.sun2019.swarm_kernels import (
+from rota_studies.sun2019_method.swarm_kernels import (
     DEPLOYED,
     At,
     Particles,
