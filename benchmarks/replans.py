@@ -18,6 +18,7 @@ from rota import NoPlanFound, Plan, Replanned, make_plan, read_mission, replan
 EXAMPLES = ("warehouse", "building", "parcel", "sun2019-fig13", "coast", "harbour")
 SPARED = EXAMPLES[:4]  # those of which loops for other robots are found within a minute
 CHARGING = ("port-relief", "warehouse-relief")  # those whose robots charge
+COPTERS = {"fleet.vehicle": "arducopter-targets", "fleet.speed_m_s": 8}  # with mass, by targets
 LOSSES, OF_EACH = 100, 4  # random losses, and those of one random mission
 STEP_S, POINTS = 0.1, 150
 FIRST_S, RECOVERY = 2.0, 2.0  # what is asked: of the first answer, and of recovery in longest periods
@@ -54,7 +55,8 @@ def replans(options: Options) -> Iterator[Row]:
     yield Row(
         name, f"within {RECOVERY:g} of the longest period", told, sum(one <= RECOVERY for one in recovered) == len(met)
     )
-    yield charging_row()
+    yield charging_row("robots that charge", [with_one_more(name) for name in CHARGING])
+    yield charging_row("copters with mass that charge", [with_one_more("port-relief", **COPTERS)])
     yield unlike_row()
 
 
@@ -65,21 +67,25 @@ def unlike_row() -> Row:
     return first_answers("the same of the farm's kinds, and of the port's circuits by default", lost)
 
 
-def charging_row() -> Row:
+def with_one_more(name: str, **changed: object) -> Plan:
+    """The plan of an example, changed by field paths, for one robot more than it takes."""
+    return plan_of(name, len(plan_of(name, **changed)) + 1, **changed)
+
+
+def charging_row(who: str, plans: list[Plan]) -> Row:
     """The first answers where robots charge and there is one to spare, and how soon all periods hold again."""
-    plans = [plan_of(name, len(plan_of(name)) + 1) for name in CHARGING]
     lost = [answer(plan, *loss) for plan in plans for loss in losses(plan)]
     cpu_s, recovered = [one.first_cpu_s for one in lost], [recovery(one.found) for one in lost]
     told = f"longest {max(cpu_s):.2f} s, median {np.median(cpu_s):.2f} s of the processor"
     told += f"; {sum(one <= RECOVERY for one in recovered)} recover so soon, latest {max(recovered):.2f}"
     reached = max(cpu_s) < FIRST_S and max(recovered) <= RECOVERY
     asked = f"< {FIRST_S:g} s of the processor, periods hold within {RECOVERY:g} of the longest one"
-    return Row(f"loss of each of {len(lost)} robots that charge, one to spare", asked, told, reached)
+    return Row(f"loss of each of {len(lost)} {who}, one to spare", asked, told, reached)
 
 
-def plan_of(name: str, robots: int | None = None) -> Plan:
-    """The quick plan of an example, for as few robots as it takes or for so many."""
-    mission = read_mission(Path("examples") / f"{name}.yaml").mission.with_effort("quick")
+def plan_of(name: str, robots: int | None = None, **changed: object) -> Plan:
+    """The quick plan of an example, changed by field paths, for as few robots as it takes or for so many."""
+    mission = read_mission(Path("examples") / f"{name}.yaml", overrides=changed).mission.with_effort("quick")
     if robots is not None:
         named = tuple(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(robots))
         mission = replace(mission, fleet=replace(mission.fleet, robots=named, start=None))

@@ -339,9 +339,16 @@ def test_the_first_plan_alone_is_one_that_can_be_driven(monkeypatch: pytest.Monk
         "rota.check.violations_on_the_way", lambda plan: looked.append(plan) or [found] * (len(looked) < 3)
     )
     assert first_plan(PAIR, at_s=53.0, lost=["a"]) is looked[2]
-    monkeypatch.setattr("rota.check.violations_on_the_way", lambda plan: [found])
-    with pytest.raises(NoPlanFound, match=r"no plan takes over at t = 53 s: a: speed"):
+    # of the plan that comes nearest, neither of the first nor of the last one
+    others, nearest = [replace(found, who=f"the {name}") for name in ("first", "last")], replace(found, who="nearest")
+    tried: list[Plan] = []
+    monkeypatch.setattr(
+        "rota.check.violations_on_the_way",
+        lambda plan: tried.append(plan) or ([nearest, found] if len(tried) == 2 else [others[len(tried) > 1]] * 3),
+    )
+    with pytest.raises(NoPlanFound, match=r"no plan takes over at t = 53 s: nearest: speed .*; 1 more"):
         first_plan(PAIR, at_s=53.0, lost=["a"])
+    assert len(tried) > 2
 
 
 def test_robots_with_mass_that_cannot_go_on_are_told_with_what_is_in_their_way() -> None:

@@ -20,7 +20,7 @@ from rota.replanning.order import Order, Rank
 from rota.replanning.situation import Change, Place, Situation, situation_after
 
 if TYPE_CHECKING:
-    from rota.check.report import Report
+    from rota.check.report import Report, Violation
     from rota.model.mission import Fleet, Mission
 
 FIRST = 3  # plans of which the first answer is the least late
@@ -128,7 +128,7 @@ class _Search:
         self._rank: Rank = (math.inf,)
         self._best_sampled: Rank = (math.inf,)
         self._sampled: deque[tuple[Plan, Rank]] = deque(maxlen=SAMPLED)
-        self._why: str | None = None  # what is wrong with the plan that was tried last
+        self._wrong: list[Violation] = []  # with the plan that came nearest: of those tried, least is wrong with it
 
     @property
     def is_done(self) -> bool:
@@ -138,7 +138,9 @@ class _Search:
     def outcome(self, stopped: bool) -> Replanned:
         """The best plan; NoPlanFound where there is none."""
         if self._best is None:
-            raise NoPlanFound(f"no plan takes over at t = {self._situation.seam.at_s:g} s: {self._why}")
+            why = self._wrong[0].text() if self._wrong else "none was found"
+            more = f"; {len(self._wrong) - 1} more of the plan that comes nearest" if len(self._wrong) > 1 else ""
+            raise NoPlanFound(f"no plan takes over at t = {self._situation.seam.at_s:g} s: {why}{more}")
         return replace(self._best, stopped_early=stopped)
 
     def try_rounds(self, loops: tuple[Trajectory, ...], most: int, team: Fleet, names: Sequence[str] = ()) -> None:
@@ -172,7 +174,7 @@ class _Search:
         while not self._is_over() and (other := next(plans, None)) is not None:
             if self._best is None or self._sample(other) < self._best_sampled:
                 self._try(other)
-        if self._why is None and self._best is None and not self.is_done:
+        if not self._wrong and self._best is None and not self.is_done:
             self._try(self._as_before())
 
     def _as_before(self) -> Plan:
@@ -232,7 +234,7 @@ class _Search:
         report = check_plan(plan)
         wrong = [one for one in report.violations if one.kind not in ("gap", "unseeable")]
         if wrong:
-            self._why = wrong[0].text()
+            self._note_wrong(wrong)
             return False
         kept = tuple(one.robot for one in plan if one == self._situation.going_on.get(one.robot))
         rank = self._order.of_plan(report, len(plan) - len(kept))
@@ -243,6 +245,11 @@ class _Search:
         if self._tell is not None:
             self._tell(self._best)
         return True
+
+    def _note_wrong(self, wrong: list[Violation]) -> None:
+        """Keep what is wrong with a plan that cannot be driven, if it comes nearer than those before."""
+        if not self._wrong or len(wrong) < len(self._wrong):
+            self._wrong = wrong
 
     def _sample(self, plan: Plan) -> Rank:
         """How late sample points are; less is better. What it came to last is kept: each plan is asked for twice."""
@@ -273,7 +280,7 @@ class _FirstSearch(_Search):
         from rota.check import violations_on_the_way
 
         if wrong := violations_on_the_way(plan):
-            self._why = wrong[0].text()
+            self._note_wrong(wrong)
             return False
         self._first = plan
         return True

@@ -67,19 +67,20 @@ def charging_legs(way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) 
 def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Whole, takeoff_s: float) -> tuple[Floats, Floats]:
     """For each leg how long the robot stays on its charger after it, and what it then uses until it charges again."""
     count, first, loops = len(lasts_s), way.loop_index, way.loop_duration_s > 0
-    stays_s, needs_s = np.zeros(count), np.zeros(count)
+    stays_s, needs_s = [0.0] * count, [0.0] * count
+    docked, own_uses, legs_s = (docks >= 0).tolist(), uses.tolist(), lasts_s.tolist()
     charges = bool((docks[first:] >= 0).any())
     stay_s = math.inf if loops and (docks[first:] >= 0).all() else 0.0
     need_s = math.inf if loops and not charges else 0.0
     after = first if loops else count - 1
     # of a loop twice: what comes after its end is known after once
     for leg in [*(range(count - 1, first - 1, -1) if loops else ()), *range(count - 1, -1, -1)]:
-        if docks[leg] >= 0:
-            need_s += takeoff_s if docks[after] < 0 else 0.0
+        if docked[leg]:
+            need_s += 0.0 if docked[after] else takeoff_s
             stays_s[leg], needs_s[leg] = stay_s, need_s
-            stay_s += lasts_s[leg]
+            stay_s += legs_s[leg]
         else:
-            needs_s[leg] = 0.0 if docks[after] >= 0 else need_s
-            need_s, stay_s = needs_s[leg] + uses[leg] * lasts_s[leg], 0.0
+            needs_s[leg] = 0.0 if docked[after] else need_s
+            need_s, stay_s = needs_s[leg] + own_uses[leg] * legs_s[leg], 0.0
         after = leg
-    return stays_s, needs_s
+    return np.array(stays_s), np.array(needs_s)
