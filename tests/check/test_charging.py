@@ -95,6 +95,24 @@ def test_standing_may_take_less_than_driving() -> None:
     assert told(Plan(mission=mission(shorter), trajectories=(robot,))) == [("battery below its reserve", "a")]
 
 
+@pytest.mark.parametrize(
+    ("creeps_m", "parts", "kinds"), [(0.0, 1, 1), (1e-6, 1, 1), (0.014, 1, 1), (3e-4, 90, 1), (5, 1, 0)]
+)
+def test_who_creeps_where_hovering_takes_more_hovers(creeps_m: float, parts: int, kinds: int) -> None:
+    """20 s of flight, and 30 s of hovering at four times its cost: 140 s of 100, though it creeps to and fro."""
+    hovering = dataclasses.replace(BATTERY, standing_endurance_s=25, reserve_s=0)
+    rows = [(60 + 30 * k / parts, 10 + creeps_m * (k % 2 if k < parts else 0)) for k in range(1, parts + 1)]
+    if creeps_m and parts == 1:
+        rows = [(75, 10 + creeps_m), (90, 10)]
+    times_s, xs_m = np.array([(0.0, 0.0), (50, 0), (60, 10), *rows, (100, 0)]).T
+    robot = Trajectory(
+        robot="a", times_s=times_s, positions_m=np.column_stack([xs_m, np.zeros(len(xs_m))]),
+        charges=(Charge(charger="pad", from_s=0, until_s=50),),
+    )  # fmt: skip
+    found = told(Plan(mission=mission(hovering), trajectories=(robot,)))
+    assert found == [("battery below its reserve", "a")] * kinds
+
+
 def test_each_departure_takes_what_it_costs() -> None:
     # out and back takes 80 s, and 5 s to take off: 42.5 s charge it again
     for docked_s, kinds in ((42.5, []), (42.0, ["takes more than it charges"])):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rota.check.report import Violation, violation
 from rota.check.routes import Routes, commensurable_classes
 from rota.check.stays import hasty_violations, stays_on_s
-from rota.check.tolerances import BATTERY_S, SAME_TIME, STILL_M, TOUCH_M
+from rota.check.tolerances import BATTERY_S, SAME_TIME, SLOW_SHARE, STILL_M, TOUCH_M
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
@@ -161,8 +161,10 @@ class _Follower:
 
     def drive(self, way: Trajectory | Driven, low: int, high: int, late_s: float) -> None:
         """Follow the legs of a way from one index to another, driven so much later."""
-        times_s, ways_m = way.times_s, np.hypot(*np.diff(way.positions_m[:, :2], axis=0).T)
-        used_s = np.where(ways_m > STILL_M, 1.0, self._robot.battery.standing_uses) * np.diff(times_s)
+        times_s, lasts_s = way.times_s, np.diff(way.times_s)
+        ways_m, uses = np.sqrt((np.diff(way.positions_m, axis=0) ** 2).sum(axis=1)), self._robot.battery.standing_uses
+        slow = ways_m <= SLOW_SHARE * self._robot.speed_m_s * lasts_s  # it takes what standing does, and driving
+        used_s = np.where(slow, np.where(ways_m > STILL_M, max(uses, 1.0), uses), 1.0) * lasts_s
         for begin, end, charge in _stretches(way, low, high):
             if charge is None:
                 self._stood = ("", 0.0)

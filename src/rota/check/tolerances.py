@@ -30,7 +30,7 @@ MOST_EXCLUDED = 0.05  # a plan may leave out, as seen by nobody, up to this shar
 # ------------------------------------------------------------ numbers so near each other that they count as one
 
 STILL_M = 1e-9  # a robot that moves by no more than this stands still
-SLOW_SHARE = 1e-3  # a robot that cannot stand does where it is slower than this share of its speed
+SLOW_SHARE = 1e-3  # a robot that is slower than this share of its speed stands, if it cannot or takes more then
 SLOW_TIME = 1e-2  # but not while such legs take no more than this share of its time: then it gets up speed
 STRAIGHT_RAD = 1e-3  # legs whose turns are rounding, and add up to no more than this, are in a straight row
 SAME_TIME = 1e-9  # times that differ by this share of them, or by this many seconds below 1 s, are one moment
