@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -167,6 +168,29 @@ def test_rows_without_end_hide_no_curve(bend_rad: float, kinds: set[str]) -> Non
     before = [ramp((1, 0), 0.0, 5.0, 1.0), (2.0, (5.0, 0), 0.0)]
     curve = [(s, (5 * math.cos(angle), 5 * math.sin(angle)), 0.0) for s, angle in zip(seconds, at, strict=True)]
     way = driven([*before, *curve, (2.0, (5 * on[0], 5 * on[1]), 0.0), ramp(on, 5.0, 0.0, 1.0)])
+    assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == kinds
+
+
+@pytest.mark.parametrize("leg_s", [0.9e-6, 1e-4])
+def test_legs_that_tell_no_velocity_hide_no_round(leg_s: float) -> None:
+    """At 10 m/s, at once a whole circle in 0.1 s, at 628 m/s2, in 111,000 legs of which none tells how fast, or 1,000."""
+    count = round(0.1 / leg_s)
+    angles = np.linspace(0, 2 * math.pi, count)
+    circle = [(leg_s, (10 * math.cos(angle), 10 * math.sin(angle)), 0.0) for angle in angles]
+    straight = (2.0, (10.0, 0.0), 0.0)
+    way = driven([ramp((1, 0), 0, 10, 1.0), straight, *circle, straight, ramp((1, 0), 10, 0, 1.0)])
+    assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == {"corner acceleration"}
+
+
+@pytest.mark.parametrize(("lateral_m_s2", "kinds"), [(0.99, set()), (1.7, {"corner acceleration"})])
+def test_far_away_legs_below_a_millisecond_hide_no_curve(lateral_m_s2: float, kinds: set[str]) -> None:
+    """At 5 m/s for 2 s, in legs of 0.11 ms, of which rounding at the northings of UTM hides 4e-4 m/s each."""
+    angles = np.arange(18_000) * 1.1e-4 * lateral_m_s2 / 5
+    curve = [(1.1e-4, (5 * math.cos(angle), 5 * math.sin(angle)), 0.0) for angle in angles]
+    on = (math.cos(angles[-1]), math.sin(angles[-1]))
+    straight = (2.0, (5 * on[0], 5 * on[1]), 0.0)
+    way = driven([ramp((1, 0), 0, 5, 0.999), (2.0, (5.0, 0), 0.0), *curve, straight, ramp(on, 5, 0, 0.999)])
+    way = dataclasses.replace(way, positions_m=way.positions_m + 5e6)
     assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == kinds
 
 

@@ -35,7 +35,7 @@ Ints = NDArray[np.int64]
 
 ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
 VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
-PIECE_S, COARSE = 1e-3, 1.5  # of what is judged in pieces, which differ in length: by this much more than the limits
+PIECES_S, COARSE = (1e-3, 1e-2), 1.5  # of what is judged in pieces, which differ in length: by this much more than the limits
 MOST_ROUNDED_M_S = 1e-2  # that rounding may add up to over all short legs of a round before they are judged in pieces
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 
@@ -70,14 +70,16 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
     most_m_s2 = robot.motion.acceleration_m_s2
     if most_m_s2 is None or len(trajectory.times_s) == 1:
         return []
-    motion = _without_vague_legs(_motion_of(trajectory, from_rest))
+    told = _motion_of(trajectory, from_rest)
+    motion = _without_vague_legs(told)
     corner_m_s2 = robot.motion.corner_acceleration_m_s2 or most_m_s2
     violations = _along_violations(trajectory, most_m_s2)
     whole = not from_rest or bool(np.isinf(motion.lasts_s[0]))
     violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2, whole)
-    if not violations and (coarse := _in_even_pieces(motion)) is not None:
-        most_m_s2, corner_m_s2 = COARSE * most_m_s2, COARSE * corner_m_s2
-        violations += _vertex_violations(trajectory, coarse, most_m_s2, corner_m_s2, whole)
+    for piece_s in PIECES_S:
+        if not violations and (coarse := _in_even_pieces(told, piece_s)) is not None:
+            limits_m_s2 = COARSE * most_m_s2, COARSE * corner_m_s2
+            violations += _vertex_violations(trajectory, coarse, *limits_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop's first point may be one on a leg; then what tells is the motion without it
         without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3, whole)
@@ -138,21 +140,21 @@ def _without_vague_legs(motion: _Motion) -> _Motion:
     )
 
 
-def _in_even_pieces(motion: _Motion) -> _Motion | None:
-    """The motion with rows of legs below a tenth of a millisecond in pieces of a millisecond; None: it has few of them.
+def _in_even_pieces(motion: _Motion, piece_s: float) -> _Motion | None:
+    """The motion with rows of legs shorter than a tenth of a piece in such pieces; None: it has few of them.
 
     What rounding may make of each such leg's velocity could add up to any curve. A piece has the mean velocity and
-    acceleration of its legs. Rows of less than a millisecond are part of the leg before; those that come first are left
+    acceleration of its legs. Rows of less than that are part of the leg before; those that come first are left
     out.
     """
-    short = motion.lasts_s < PIECE_S / 10
+    short = motion.lasts_s < piece_s / 10
     if motion.noise_m_s[short].sum() <= ROUNDS * MOST_ROUNDED_M_S:
         return None
     begins = np.flatnonzero(np.diff(short, prepend=~short[0]))  # of rows of short legs, and of others
     lasts_s = np.where(short, motion.lasts_s, 0.0)
     row_s, until_s = np.add.reduceat(lasts_s, begins), np.cumsum(lasts_s) - lasts_s
     row = np.cumsum(np.isin(np.arange(len(short)), begins)) - 1
-    pieces = np.floor(row_s / PIECE_S)[row]
+    pieces = np.floor(row_s / piece_s)[row]
     part = np.floor(
         (until_s - until_s[begins][row]) / np.where(pieces > 0, row_s[row] / np.maximum(pieces, 1), math.inf)
     )
