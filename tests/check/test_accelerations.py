@@ -173,7 +173,7 @@ def test_rows_without_end_hide_no_curve(bend_rad: float, kinds: set[str]) -> Non
 
 @pytest.mark.parametrize("leg_s", [0.9e-6, 1e-4])
 def test_legs_that_tell_no_velocity_hide_no_round(leg_s: float) -> None:
-    """At 10 m/s, at once a whole circle in 0.1 s, at 628 m/s2, in 111,000 legs of which none tells how fast, or 1,000."""
+    """At 10 m/s a whole circle in 0.1 s, at 628 m/s2, in 111,000 legs none of which tells how fast, or 1,000."""
     count = round(0.1 / leg_s)
     angles = np.linspace(0, 2 * math.pi, count)
     circle = [(leg_s, (10 * math.cos(angle), 10 * math.sin(angle)), 0.0) for angle in angles]

@@ -74,6 +74,18 @@ def test_a_leg_that_no_lane_allows_is_told_at_its_place(
     assert (kind, place) in faults(report)
 
 
+@pytest.mark.parametrize("leg_s", [1e-5, 1e-4, 1e-2])
+@pytest.mark.parametrize(("speed_m_s", "kinds"), [(0.4, set()), (0.41, {"faster than its lane"})])
+def test_what_short_legs_may_be_too_fast_along_a_lane_does_not_add_up(
+    leg_s: float, speed_m_s: float, kinds: set[str]
+) -> None:
+    """Two hundredths of a second along a lane for 0.4 m/s: 0.2 mm too far."""
+    times_s = np.arange(0, 0.02 + leg_s / 2, leg_s)
+    rows = [(0.0, 0.0, 4.0), *((1 + time_s, 0.0, 4.0 - speed_m_s * time_s) for time_s in times_s)]
+    found = check_plan(plan_along(*rows, loop_start_s=rows[-1][0])).violations
+    assert {one.kind for one in found} - {"gap"} == kinds
+
+
 def test_where_the_loop_closes_a_robot_may_not_change_lanes_either() -> None:
     """It begins on the crossing lane and ends on the first one, at the point where they cross."""
     points = ((0.0, 5.0, 0.0), (5.0, 5.0, 5.0), (10.0, 5.0, 0.0))

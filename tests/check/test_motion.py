@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check.motion import _row_ahead, motion_violations, segment_distances
+from rota.check.motion import motion_violations, row_ahead, segment_distances
 from rota.check.report import Violation
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.model.plan import Plan, Trajectory
@@ -139,7 +139,7 @@ def test_rows_ahead_of_the_speed_are_those_of_brute_force(seed: int) -> None:
         ahead_m, allowed_m = rng.normal(-0.3, 1, 12), rng.uniform(1, 4, 12)
         ahead_m[rng.random(12) < 0.1] = -1e12  # a long wait
         ends = [m for m in range(12) if any(ahead_m[k : m + 1].sum() > allowed_m[m] for k in range(m + 1))]
-        (row,) = _row_ahead(ahead_m, allowed_m) or [None]
+        (row,) = row_ahead(ahead_m, allowed_m) or [None]
         assert (row is None) == (not ends)
         if row is not None:
             assert row[1] == ends[0] + 1
@@ -178,6 +178,22 @@ def test_turn_at_the_seam_joins_the_pauses_at_both_ends_of_the_loop(enough: bool
     if not enough:
         assert found[0].place_m == (1.0, 1.0)
         assert found[0].value == pytest.approx(0.9 * q)
+
+
+@pytest.mark.parametrize(("far_m", "step_m", "by"), [(100.0, 2e-9, 8e-5), (5e6, 1e-4, 6e-5)])
+@pytest.mark.parametrize(("waits", "kinds"), [(0.99, ["turn"]), (1.0, [])])
+def test_turns_that_rounding_hides_add_up(
+    far_m: float, step_m: float, by: float, waits: float, kinds: list[str]
+) -> None:
+    """A quarter turn within 0.1 mm by steps that turn by less than rounding might, or in 3 m at UTM's northings."""
+    angles = np.arange(0, QUARTER, by)
+    spot = np.cumsum(step_m * np.column_stack([np.cos(angles), np.sin(angles)]), axis=0)
+    corners = far_m + np.vstack([[-2.0, 0.0], [0.0, 0.0], spot, spot[-1] + [0, 2.0]])
+    lasts_s = np.column_stack([np.hypot(*np.diff(corners, axis=0).T) + 1e-7, np.full(len(corners) - 1, waits * by)])
+    times = np.append(0.0, np.cumsum(lasts_s.ravel()))[:-1]
+    here = box(far_m - 9, far_m - 9, far_m + 9, far_m + 9)
+    found = violations(np.repeat(corners, 2, axis=0)[1:-1], times=times, turn=1.0, area=here)
+    assert [v.kind for v in found] == kinds
 
 
 def test_back_and_forth_needs_half_a_turn_at_both_ends() -> None:

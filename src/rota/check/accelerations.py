@@ -35,7 +35,10 @@ Ints = NDArray[np.int64]
 
 ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
 VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
-PIECES_S, COARSE = (1e-3, 1e-2), 1.5  # of what is judged in pieces, which differ in length: by this much more than the limits
+PIECES_S, COARSE = (
+    (1e-3, 1e-2),
+    1.5,
+)  # of what is judged in pieces, which differ in length: by this much more than the limits
 MOST_ROUNDED_M_S = 1e-2  # that rounding may add up to over all short legs of a round before they are judged in pieces
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 

@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.lane_kernels import first_jumps
+from rota.check.motion import row_ahead
 from rota.check.report import MOST_PER_ROBOT, Violation, violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M
@@ -110,6 +111,13 @@ def _robot_violations(plan: Plan, trajectory: Trajectory, pieces: _Pieces) -> li
     most_m_s = np.zeros(legs)
     np.maximum.at(most_m_s, right.leg, speed_m_s[right.piece])
     tell("faster than its lane", fast, fastest_m / duration_s, most_m_s, "m/s")
+    if not found:  # what single legs may be too fast does not add up, but for how far off corners may be
+        at_corner = np.isin(np.arange(legs), right.leg[(right.begins_at >= 0) | (right.ends_at >= 0)])
+        ahead_m = length_m - most_m_s * duration_s * (1 + SPEED_TOLERANCE) - np.where(at_corner, noise_m, 0.0)
+        allowed_m = np.maximum(most_m_s * 2 * FLOAT_EPS * times_s[1:], noise_m)
+        for k, end in row_ahead(ahead_m, allowed_m):
+            mean_m_s = np.full(legs, length_m[k:end].sum() / duration_s[k:end].sum())
+            tell("faster than its lane", np.array([k]), mean_m_s, most_m_s, "m/s")
     if len(slow.leg) and not found:
         tell("leaves a lane between its ends", *_jumps(trajectory, slow, legs), "ways")
     return found

@@ -244,7 +244,7 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         most = top_m_s * time * (1 + SPEED_TOLERANCE) + noise_m
         grain_m = top_m_s * 2 * FLOAT_EPS * trajectory.times_s[1:]
         rows = [(m, m + 1) for m in np.flatnonzero(fastest_m > most + grain_m)[:MOST_PER_ROBOT]]
-        rows = rows or _row_ahead(length - most, np.maximum(grain_m, TOUCH_M))
+        rows = rows or row_ahead(length - most, np.maximum(grain_m, TOUCH_M))
     violations = []
     for m, end in rows:
         x, y = trajectory.positions_m[m, :2]
@@ -254,7 +254,7 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     return violations
 
 
-def _row_ahead(ahead_m: Floats, allowed_m: Floats) -> list[tuple[int, int]]:
+def row_ahead(ahead_m: Floats, allowed_m: Floats) -> list[tuple[int, int]]:
     """The first row of legs, (from, to), that is farther ahead than allowed at its end; none: no row is.
 
     ahead_m, allowed_m: (m,) by how much each leg is longer than its time allows, and how much a row that ends with it

@@ -34,6 +34,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
 
     The value of a corner is its pause in seconds, the limit the least pause. The value of headings is their rate in
     rad/s. Steps of up to 1e-9 m count as standing still, and so do those whose direction rounding hides, far away.
+    What it may hide of turns does not add up: no row of corners turns by 1e-3 rad more than its pauses allow.
     """
     if robot.turn_rate_rad_s is None:
         return []
@@ -43,24 +44,36 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     length = np.hypot(steps[:, 0], steps[:, 1])
     far_m = float(np.abs(xy).max())
     moving = np.flatnonzero(length > max(STILL_M, 4 * FLOAT_EPS * far_m / STRAIGHT_RAD))
-    if not len(moving):
-        return violations
-    before, after = moving[:-1], moving[1:]
-    pause = times[after] - times[before + 1]
-    looping = moving[moving >= trajectory.loop_index]
-    if len(looping):
-        last, first = looping[-1], looping[0]
-        before, after = np.append(before, last), np.append(after, first)
-        seam = times[-1] - times[last + 1] + times[first] - trajectory.loop_start_s
-        pause = np.append(pause, seam)
-    angle, noise = _turns_rad(steps, length, before, after, far_m)
-    need = angle / robot.turn_rate_rad_s
-    allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - SPEED_TOLERANCE) - 4 * FLOAT_EPS * times[-1]
-    for k in np.flatnonzero(pause < allowed):
+    legs = np.concatenate([moving, moving[moving >= trajectory.loop_index]])  # the loop twice, for what spans its seam
+    before, after = legs[:-1], legs[1:]
+    pause = times[after] - times[before + 1] + np.where(after > before, 0.0, times[-1] - trajectory.loop_start_s)
+    a, b = steps[before], steps[after]
+    turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1))
+    noise = TURN_TOLERANCE_RAD / 2 + 4 * FLOAT_EPS * far_m / length[legs]  # of each leg's direction
+    rate, late_s = robot.turn_rate_rad_s, 4 * FLOAT_EPS * times[-1]
+    allowed = np.maximum(0.0, np.abs(turn) - noise[:-1] - noise[1:]) / rate * (1 - SPEED_TOLERANCE) - late_s
+    corners = np.flatnonzero(pause[: len(moving)] < allowed[: len(moving)])
+    rows = [(k, k + 1) for k in corners] or _row_turned(turn, rate * (pause * (1 + SPEED_TOLERANCE) + late_s), noise)
+    for k, end in rows:
         m = before[k] + 1
-        place = (xy[m, 0], xy[m, 1])
-        violations.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
+        paused_s, need_s = float(pause[k:end].sum()), float(np.abs(turn[k:end].sum()) / rate)
+        violations.append(violation("turn", robot.name, xy[m], float(times[m]), paused_s, need_s, "s"))
     return violations
+
+
+def _row_turned(turn: Floats, turned: Floats, noise: Floats) -> list[tuple[int, int]]:
+    """The first row of corners, (from, to), that turns by more than its pauses allow and rounding explains, or none.
+
+    turn, turned: (k,) by how much each corner turns, to the left above 0, and how much its pause is enough for. noise:
+    (k + 1,) of the directions of the legs beside: what is between them cancels out.
+    """
+    for side in (1, -1):
+        ahead = np.concatenate([[0.0], np.cumsum(side * turn - turned)])
+        least = np.minimum.accumulate(ahead + noise)[:-1]
+        if len(too_far := np.flatnonzero(ahead[1:] - noise[1:] - least > STRAIGHT_RAD)):
+            end = int(too_far[0]) + 1
+            return [(int(np.argmin((ahead + noise)[:end])), end)]
+    return []
 
 
 def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float) -> list[Violation]:
@@ -175,10 +188,3 @@ def _charge_before_s(trajectory: Trajectory, legs: Ints) -> Floats:
     stays_s = until_s[after] - until_s[before + 1]
     over_seam_s = until_s[-1] - until_s[before + 1] + until_s[after] - until_s[trajectory.loop_index]
     return np.asarray(np.where(after > before, stays_s, over_seam_s))
-
-
-def _turns_rad(steps: Floats, lengths: Floats, before: Ints, after: Ints, far_m: float) -> tuple[Floats, Floats]:
-    """The turn (c,) from legs before to legs after, 0 to pi, and what rounding and the tolerance may add to it (c,)."""
-    a, b = steps[before], steps[after]
-    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-    return angle, TURN_TOLERANCE_RAD + 4 * FLOAT_EPS * far_m * (1 / lengths[before] + 1 / lengths[after])
