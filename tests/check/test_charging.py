@@ -95,6 +95,24 @@ def test_standing_may_take_less_than_driving() -> None:
     assert told(Plan(mission=mission(shorter), trajectories=(robot,))) == [("battery below its reserve", "a")]
 
 
+@pytest.mark.parametrize(("from_s", "round_s"), [(100.0, 2.0), (1e7, 1e-3)])
+@pytest.mark.parametrize("places", [1, 2])
+def test_rounds_shorter_than_a_moment_hide_nobody_at_a_charger(from_s: float, round_s: float, places: int) -> None:
+    """Two robots that stay for ever, told as rounds; so late a moment is a hundredth of a second."""
+    pad = dataclasses.replace(PAD, places=places)
+    stays = [
+        Trajectory(
+            robot=name, times_s=np.array([0.0, come_s, from_s, from_s + round_s]), loop_start_s=from_s,
+            positions_m=np.array([(away_m, 0.0), (0, 0), (0, 0), (0, 0)]),
+            charges=(Charge(charger="pad", from_s=come_s, until_s=from_s),
+                     Charge(charger="pad", from_s=from_s, until_s=from_s + round_s)),
+        )
+        for name, away_m, come_s in (("a", 10.0, 10.0), ("b", 20.0, from_s - round_s / 2))
+    ]  # fmt: skip
+    kinds = [kind for kind, _ in told(Plan(mission=mission(BATTERY, pad), trajectories=tuple(stays)))]
+    assert ("charger too full" in kinds) == (places == 1)
+
+
 @pytest.mark.parametrize(
     ("creeps_m", "parts", "kinds"), [(0.0, 1, 1), (1e-6, 1, 1), (0.014, 1, 1), (3e-4, 90, 1), (5, 1, 0)]
 )

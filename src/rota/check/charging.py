@@ -11,7 +11,6 @@ Who leaves a charger, or is in the air at first with nothing driven before, has 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -19,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.report import Violation, violation
-from rota.check.routes import Routes, commensurable_classes
-from rota.check.stays import hasty_violations, stays_on_s
+from rota.check.routes import Routes
+from rota.check.stays import crowded_violations, hasty_violations, stays_on_s
 from rota.check.tolerances import BATTERY_S, SAME_TIME, SLOW_SHARE, STILL_M, TOUCH_M
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
-MOST_STAYS = 2_000_000  # at one charger, counted one by one; of more, robots are taken to come all at once
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -245,7 +243,7 @@ def charging_violations(plan: Plan) -> list[Violation]:
         violations += _below_reserve(one, robot, battery_levels(plan, one))
         if before is not None:
             violations += _fuller_than_driven(one, robot, level_after_s(plan, before))
-    return violations + _too_many_at_once(plan, chargers) + list(hasty_violations(plan))
+    return [*violations, *crowded_violations(plan), *hasty_violations(plan)]
 
 
 def _fuller_than_driven(trajectory: Trajectory, robot: Robot, left_s: float) -> list[Violation]:
@@ -301,51 +299,3 @@ def _below_reserve(trajectory: Trajectory, robot: Robot, levels: Levels) -> list
             violation("takes more than it charges", trajectory.robot, end_m, time_s, levels.falls_s, 0.0, "s a round")
         ]
     return []
-
-
-def _too_many_at_once(plan: Plan, chargers: dict[str, Charger]) -> list[Violation]:
-    """Chargers that have more robots at some time than places."""
-    users: dict[str, list[Trajectory]] = defaultdict(list)
-    for trajectory in plan:
-        for name in dict.fromkeys(charge.charger for charge in trajectory.charges):
-            users[name].append(trajectory)
-    found = []
-    for name, robots in users.items():
-        classes, parts, units_s = commensurable_classes([one.loop_duration_s for one in robots])
-        from_s = max(one.loop_start_s for one in robots)
-        count, time_s = 0, None
-        for number in np.unique(classes):
-            own = [one for one, its in zip(robots, classes, strict=True) if its == number]
-            common_s = math.lcm(*(int(part) for part in parts[classes == number])) * float(units_s[number])
-            most, when_s = _most_at_once(own, name, from_s + common_s)
-            count, time_s = count + most, when_s if len(np.unique(classes)) == 1 else None
-        if count > chargers[name].places:
-            who = f"{name}: {', '.join(one.robot for one in robots)}"
-            found.append(
-                violation("charger too full", who, chargers[name].at, time_s, count, chargers[name].places, "robots")
-            )
-    return found
-
-
-def _most_at_once(robots: list[Trajectory], charger: str, until_s: float) -> tuple[int, float | None]:
-    """How many of these robots are at a charger at once until a time, at most, and when."""
-    begins, ends = [], []
-    stays = 0.0
-    for one in robots:
-        turns = 1 if one.loop_duration_s == 0 else math.ceil((until_s - one.loop_start_s) / one.loop_duration_s)
-        stays += turns * len(one.charges)
-        if stays > MOST_STAYS:
-            return len(robots), None
-        for charge in (each for each in one.charges if each.charger == charger):
-            again = np.arange(turns if charge.from_s >= one.loop_start_s else 1) * one.loop_duration_s
-            for_ever = one.loop_duration_s == 0 and charge.until_s == one.times_s[-1]
-            begins.append(charge.from_s + again)
-            ends.append(np.full(1, until_s) if for_ever else charge.until_s + again)
-    begin_s, end_s = np.concatenate(begins), np.concatenate(ends)
-    end_s -= SAME_TIME * np.maximum(1.0, end_s)  # one leaves at the moment at which another one comes
-    times_s = np.concatenate([begin_s, end_s])
-    steps = np.concatenate([np.ones(len(begin_s)), -np.ones(len(end_s))])
-    order = np.lexsort((steps, times_s))
-    present = np.cumsum(steps[order])
-    k = int(np.argmax(present))
-    return int(present[k]), float(times_s[order[k]])

@@ -114,8 +114,7 @@ def _robot_violations(plan: Plan, trajectory: Trajectory, pieces: _Pieces) -> li
     if not found:  # what single legs may be too fast does not add up, but for how far off corners may be
         at_corner = np.isin(np.arange(legs), right.leg[(right.begins_at >= 0) | (right.ends_at >= 0)])
         ahead_m = length_m - most_m_s * duration_s * (1 + SPEED_TOLERANCE) - np.where(at_corner, noise_m, 0.0)
-        allowed_m = np.maximum(most_m_s * 2 * FLOAT_EPS * times_s[1:], noise_m)
-        for k, end in row_ahead(ahead_m, allowed_m):
+        for k, end in row_ahead(ahead_m, np.maximum(most_m_s * 2 * FLOAT_EPS * times_s[1:], noise_m)):
             mean_m_s = np.full(legs, length_m[k:end].sum() / duration_s[k:end].sum())
             tell("faster than its lane", np.array([k]), mean_m_s, most_m_s, "m/s")
     if len(slow.leg) and not found:

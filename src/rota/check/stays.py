@@ -1,4 +1,4 @@
-"""Stays at chargers: how long robots are there in all, and whether that is long enough to land and to climb.
+"""Stays at chargers: how long robots are there, whether that is enough to land and to climb, and how many there are.
 
 Who comes to a charger in flight lands first, and who leaves it climbs before: neither charges. A stay may go on across
 the seam of a loop, and from what was driven before a plan took over into the plan. Who is at a charger where all begins
@@ -8,11 +8,19 @@ has landed, and may have begun to climb.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rota.check.report import Violation, violation
+from rota.check.routes import commensurable_classes
 from rota.check.tolerances import SAME_TIME
 from rota.model.plan import Charge, Driven, Plan, Trajectory
+
+Floats = NDArray[np.float64]
+MOST_STAYS = 2_000_000  # at one charger, counted one by one; of more, robots are taken to come all at once
 
 
 def stays_on_s(way: Trajectory | Driven, charge: Charge, climbing_s: float) -> float:
@@ -92,3 +100,53 @@ def _came_s(driven: Driven) -> float:
             break
         came_s = charge.from_s
     return -math.inf if came_s <= driven.times_s[0] else came_s
+
+
+def crowded_violations(plan: Plan) -> Iterator[Violation]:
+    """Chargers that have more robots at some time than places."""
+    chargers = {charger.name: charger for charger in plan.mission.chargers}
+    users: dict[str, list[Trajectory]] = defaultdict(list)
+    for trajectory in plan:
+        for name in dict.fromkeys(charge.charger for charge in trajectory.charges):
+            users[name].append(trajectory)
+    for name, robots in users.items():
+        classes, parts, units_s = commensurable_classes([one.loop_duration_s for one in robots])
+        from_s = max(one.loop_start_s for one in robots)
+        count, time_s = 0, None
+        for number in np.unique(classes):
+            own = [one for one, its in zip(robots, classes, strict=True) if its == number]
+            common_s = math.lcm(*(int(part) for part in parts[classes == number])) * float(units_s[number])
+            most, when_s = _most_at_once(own, name, (from_s + common_s) * (1 + 2 * SAME_TIME))
+            count, time_s = count + most, when_s if len(np.unique(classes)) == 1 else None
+        if count > chargers[name].places:
+            who = f"{name}: {', '.join(one.robot for one in robots)}"
+            yield violation("charger too full", who, chargers[name].at, time_s, count, chargers[name].places, "robots")
+
+
+def _most_at_once(robots: list[Trajectory], charger: str, until_s: float) -> tuple[int, float | None]:
+    """How many of these robots are at a charger at once until a time, at most, and when."""
+    spans: list[Floats] = []
+    stays = 0.0
+    for one in robots:
+        turns = 1 if one.loop_duration_s == 0 else math.ceil((until_s - one.loop_start_s) / one.loop_duration_s)
+        stays += turns * len(one.charges)
+        if stays > MOST_STAYS:
+            return len(robots), None
+        own: list[Floats] = []
+        for charge in (each for each in one.charges if each.charger == charger):
+            again = np.arange(turns if charge.from_s >= one.loop_start_s else 1) * one.loop_duration_s
+            for_ever = one.loop_duration_s == 0 and charge.until_s == one.times_s[-1]
+            own.append(np.stack([charge.from_s + again, np.full(1, until_s) if for_ever else charge.until_s + again]))
+        from_s, to_s = np.sort(np.hstack(own), axis=1)  # it is there once at a time
+        moment_s = SAME_TIME * np.maximum(1.0, to_s)
+        apart = from_s[1:] > to_s[:-1] + moment_s[:-1]
+        from_s, to_s = from_s[np.append(True, apart)], to_s[np.append(apart, True)]
+        # one leaves at the moment at which another one comes
+        spans.append(np.stack([from_s, np.maximum(to_s - moment_s[np.append(apart, True)], (from_s + to_s) / 2)]))
+    begin_s, end_s = np.hstack(spans)
+    times_s = np.concatenate([begin_s, end_s])
+    steps = np.concatenate([np.ones(len(begin_s)), -np.ones(len(end_s))])
+    order = np.lexsort((steps, times_s))
+    present = np.cumsum(steps[order])
+    k = int(np.argmax(present))
+    return int(present[k]), float(times_s[order[k]])

@@ -46,7 +46,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     moving = np.flatnonzero(length > max(STILL_M, 4 * FLOAT_EPS * far_m / STRAIGHT_RAD))
     legs = np.concatenate([moving, moving[moving >= trajectory.loop_index]])  # the loop twice, for what spans its seam
     before, after = legs[:-1], legs[1:]
-    pause = times[after] - times[before + 1] + np.where(after > before, 0.0, times[-1] - trajectory.loop_start_s)
+    pause = _between(times, legs, trajectory.loop_index)
     a, b = steps[before], steps[after]
     turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1))
     noise = TURN_TOLERANCE_RAD / 2 + 4 * FLOAT_EPS * far_m / length[legs]  # of each leg's direction
@@ -117,7 +117,8 @@ def turn_radius_violations(trajectory: Trajectory, robot: Robot, *, begins_whole
         return []
     # of a loop the second round's end is that of the first, and its begin may be before the seam
     whole = (begins_whole and (first > 0 or not len(again)), not len(again))
-    charged_s = _charge_before_s(trajectory, legs) if trajectory.charges else np.zeros(len(legs) - 1)
+    docked_s = np.where(docked_rows(trajectory.times_s, trajectory.charges), np.diff(trajectory.times_s), 0.0)
+    charged_s = _between(np.append(0.0, np.cumsum(docked_s)), legs, first)
     corners, fits_m = _tight_corners(np.vstack([xy[legs], xy[legs[-1] + 1]]), charged_s, robot, whole)
     violations: dict[int, Violation] = {}
     for corner, fit_m in zip(corners.tolist(), fits_m.tolist(), strict=True):
@@ -180,11 +181,10 @@ def _corners_of(
     return half, fits_m, turned
 
 
-def _charge_before_s(trajectory: Trajectory, legs: Ints) -> Floats:
-    """For how long a robot is on a charger before each of the legs (k,) but the first, in the order of driving."""
-    docked_s = np.where(docked_rows(trajectory.times_s, trajectory.charges), np.diff(trajectory.times_s), 0.0)
-    until_s = np.concatenate([[0.0], np.cumsum(docked_s)])
+def _between(clock: Floats, legs: Ints, first: int) -> Floats:
+    """By how much a clock (n,) goes on between each of the legs (k,) and the next, in the order of driving.
+
+    Where the next one does not come later, the loop, which begins at index first, begins again between them.
+    """
     before, after = legs[:-1], legs[1:]
-    stays_s = until_s[after] - until_s[before + 1]
-    over_seam_s = until_s[-1] - until_s[before + 1] + until_s[after] - until_s[trajectory.loop_index]
-    return np.asarray(np.where(after > before, stays_s, over_seam_s))
+    return np.asarray(clock[after] - clock[before + 1] + np.where(after > before, 0.0, clock[-1] - clock[first]))
