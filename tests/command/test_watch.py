@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import io
 import json
+import threading
 from pathlib import Path
 
 import pytest
 from rich.console import Console
 from tests.live.two_robots import driven, two_robots
 
+from rota import Plan
 from rota.command.cli import run
+from rota.command.watch_replans import Replans
 from rota.command.watch_table import WatchTable
 from rota.files.plan_file import read_plan, write_plan
+from rota.live.notices import Notice
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
 
@@ -138,3 +142,22 @@ def test_a_plan_for_those_that_remain_is_offered_when_a_robot_is_lost(
     assert after.seam is not None
     assert after.seam.lost == ("b",)
     assert run(["watch", plan, "--replay", "dies.rota-log", "--replan"]) == 2
+
+
+def test_what_is_offered_is_not_offered_again_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search that ends at once would take the place of the plan that a longer one has found."""
+    asked: list[tuple[str, ...]] = []
+    searched = threading.Event()
+
+    def search(plan: Plan, *, lost: tuple[str, ...], **_: object) -> None:
+        asked.append(lost)
+        searched.set()
+
+    monkeypatch.setattr("rota.replanning.replan.replan", search)
+    replans = Replans(two_robots(), "log")
+    for lost in ("b", "a"):
+        searched.clear()
+        replans.note([Notice(time_s=8.0, kind="lost", about=lost, text="it is lost")])
+        assert searched.wait(10)
+    replans.end()
+    assert asked == [("b",), ("b", "a")]

@@ -28,7 +28,7 @@ class Replans:
     def __init__(self, plan: Plan, stem: str) -> None:
         self._plan, self._stem = plan, stem
         self._lost: dict[str, float] = {}
-        self._at_s = 0.0
+        self._at_s, self._has_new = 0.0, False
         self._wanted, self._ended = threading.Event(), False
         self._thread = threading.Thread(target=self._work, name="rota replans", daemon=True)
         self._thread.start()
@@ -43,6 +43,7 @@ class Replans:
             self._lost[notice.about] = notice.time_s
             self._at_s = notice.time_s + AHEAD_S
         if lost:
+            self._has_new = True
             self._wanted.set()
 
     def end(self) -> None:
@@ -56,8 +57,9 @@ class Replans:
         while True:
             self._wanted.wait()
             self._wanted.clear()
+            has_new, self._has_new = self._has_new, False
             lost, at_s = tuple(self._lost), self._at_s
-            if lost:
+            if lost and has_new:  # at the end nothing is offered again
                 with suppress(RotaError):
                     self._offer(lost, at_s)
             if self._ended and not self._wanted.is_set():
