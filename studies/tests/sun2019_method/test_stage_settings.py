@@ -18,7 +18,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
-from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019 as OwnSettings
+from rota.planners.patrol.methods.sun2019.our_settings import Sun2019 as OwnSettings
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.sweep.cells import combinations

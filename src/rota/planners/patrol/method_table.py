@@ -14,4 +14,4 @@ METHODS = {
 }
 
 # the settings that a method has of its own: a block with its name below those of patrol, in mission and plan files
-METHOD_SETTINGS = {"sun2019": "rota.planners.patrol.methods.sun2019.offered_settings:Sun2019"}
+METHOD_SETTINGS = {"sun2019": "rota.planners.patrol.methods.sun2019.mission_settings:Sun2019"}

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal
 
 from rota.model.planner_settings import Settings, setting, settings_of
 from rota.model.refusals import Where, show_value
-from rota.planners.patrol.methods.sun2019 import mission_settings as ours
+from rota.planners.patrol.methods.sun2019 import our_settings as ours
 
 Grouping = Literal["near", "random"]
 

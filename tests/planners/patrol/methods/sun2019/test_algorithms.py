@@ -13,7 +13,8 @@ import pytest
 import rota
 from rota.errors import MissionError
 from rota.files.plan_file import plan_from_json, plan_to_json
-from rota.planners.patrol.methods.sun2019 import mission_settings, offered_settings
+from rota.planners.patrol.methods.sun2019 import mission_settings, our_settings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 YARD = """\
 rota: 1
@@ -86,7 +87,7 @@ def refusals(folder: Path) -> dict[str, str]:
     for key, value in THEIR_PLAN:
         document["mission"]["patrol"]["sun2019"] = {**own, key: value}
         told[f"plan {key}"] = refusal_of(lambda: plan_from_json(document))
-    told["Python"] = refusal_of(lambda: offered_settings.Sun2019(deployment="ccpso2"))
+    told["Python"] = refusal_of(lambda: mission_settings.Sun2019(deployment="ccpso2"))
     return told
 
 
@@ -135,15 +136,18 @@ def test_what_the_studies_bring_is_refused_by_its_place_with_what_is_allowed_and
 
 def test_with_the_studies_the_same_names_are_allowed(tmp_path: Path) -> None:
     told = refusals(tmp_path)
+    sensors = mission_settings.SensorSettings(cell_m=2.0)
+    asked = mission_settings.Sun2019(sensors=sensors, frame=mission_settings.FrameSettings(alpha_m=0.0))
+    assert PatrolSettings(method="sun2019", method_settings=asked).method_settings == asked
     allowed = ("{deployment: ccpso2}", "{tour: genetic}", "{partition: pso}", "plan partition", "Python")
     assert {told[where] for where in allowed} == {"nothing"}
     assert all("rota-studies" not in sentence for sentence in told.values())
 
 
 def test_without_an_offer_settings_are_ours_and_a_broken_one_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offered_settings, "offers", lambda group: {})
-    assert offered_settings.offered_settings() is mission_settings.Sun2019
-    monkeypatch.setattr(offered_settings, "offers", lambda group: {"settings": "rota_nowhere.settings:Sun2019"})
+    monkeypatch.setattr(mission_settings, "offers", lambda group: {})
+    assert mission_settings.offered_settings() is our_settings.Sun2019
+    monkeypatch.setattr(mission_settings, "offers", lambda group: {"settings": "rota_nowhere.settings:Sun2019"})
     told = r"patrol\.sun2019: its settings cannot be loaded from rota_nowhere\.settings:Sun2019: No module named"
     with pytest.raises(MissionError, match=told):
-        offered_settings.offered_settings()
+        mission_settings.offered_settings()

@@ -21,7 +21,7 @@ from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Squa
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.algorithms import Algorithms, SensorCover, deployments_tried
-from rota.planners.patrol.methods.sun2019.offered_settings import Sun2019
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measure, share_out
 from rota.planners.patrol.planner_settings import PatrolSettings

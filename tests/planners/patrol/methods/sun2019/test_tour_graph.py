@@ -21,7 +21,7 @@ from rota.planners.patrol.methods.sun2019.graph import (
     shortest_sequence,
 )
 from rota.planners.patrol.methods.sun2019.graph_kernels import search
-from rota.planners.patrol.methods.sun2019.mission_settings import AStarWeights
+from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 OPEN = ShortestPaths(MultiPolygon([box(0, 0, 100, 100)]))

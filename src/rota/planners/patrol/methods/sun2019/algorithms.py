@@ -2,7 +2,7 @@
 
 An algorithm is a frozen block of the settings that it runs with, and what it does with them. Ours are the classes below
 themselves; others are subclasses of these, made of what a mission says by the block of settings that brings them: see
-``offered_settings``.
+``mission_settings``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rota.model.planner_settings import setting
 from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover
 from rota.planners.patrol.methods.sun2019.frame import Frame, PartFrame, radius_m
 from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour
-from rota.planners.patrol.methods.sun2019.mission_settings import (
+from rota.planners.patrol.methods.sun2019.our_settings import (
     FrameSettings,
     SegmentRoutes,
     SensorSettings,

@@ -23,7 +23,7 @@ from rota.errors import NoPlanFound, PlanError
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.methods.sun2019.graph_kernels import Frontier, Steps, search, search_from_each
-from rota.planners.patrol.methods.sun2019.mission_settings import AStarWeights
+from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

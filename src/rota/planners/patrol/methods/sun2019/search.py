@@ -17,7 +17,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sun2019.algorithms import Algorithms
-from rota.planners.patrol.methods.sun2019.offered_settings import Sun2019
+from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
 from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measure
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible

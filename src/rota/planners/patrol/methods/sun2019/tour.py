@@ -22,7 +22,7 @@ from rota.planners.patrol.methods.sun2019.graph import (
     proximity_graph,
     shortest_sequence,
 )
-from rota.planners.patrol.methods.sun2019.mission_settings import AStarWeights
+from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -24,7 +24,7 @@ from rota.planners.patrol.methods.sun2019.cells import (
     ground_for,
     lattice_over,
 )
-from rota.planners.patrol.methods.sun2019.mission_settings import BorderCells
+from rota.planners.patrol.methods.sun2019.our_settings import BorderCells
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
 from rota.planners.patrol.tolerances import SLIVER_M2
 
