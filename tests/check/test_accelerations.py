@@ -182,6 +182,28 @@ def test_legs_that_tell_no_velocity_hide_no_round(leg_s: float) -> None:
     assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == {"corner acceleration"}
 
 
+@pytest.mark.parametrize(("leg_s", "far_m"), [(5e-5, 0.0), (5e-4, 5e6)])
+@pytest.mark.parametrize(("turn", "kinds"), [(0.04, set()), (0.12, set()), (0.4, {"corner acceleration"})])
+def test_rows_of_short_legs_take_no_room_from_a_corner(
+    leg_s: float, far_m: float, turn: float, kinds: set[str]
+) -> None:
+    """At 5 m/s and 1 m/s2, a second before and after it in short legs; brute force drives the turns that are right."""
+    ways, count = np.array([(1.0, 0.0), (math.cos(turn), math.sin(turn))]), round(1 / leg_s)
+    rows = [[(leg_s, 5 * on, 0.0)] * count for on in ways]
+    way = driven([ramp(ways[0], 0, 5, 0.999), *rows[0], *rows[1], ramp(ways[1], 5, 0, 0.999)])
+    way = dataclasses.replace(way, positions_m=way.positions_m + far_m)
+    assert {each.kind for each in found(way, acceleration_m_s2=1.0)} == kinds
+    jump_m_s, corner_s = float(np.hypot(*(5 * ways[1] - 5 * ways[0]))), 5 / 0.999 + 1
+    h_s = jump_m_s / 2  # either way: the velocity changes evenly, at 1 m/s2
+    times_s = np.linspace(corner_s - 0.9, corner_s + 0.9, 18_001)
+    share = np.clip((times_s - corner_s + h_s) / (2 * h_s), 0, 1)[:, None]
+    velocity = 5 * (ways[0] + share * (ways[1] - ways[0]))
+    steps = (velocity[1:] + velocity[:-1]) / 2 * np.diff(times_s)[:, None]
+    places_m = way.at(times_s[0]) + np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)])
+    assert np.hypot(*np.diff(velocity, axis=0).T).max() / np.diff(times_s).min() <= 1 + 1e-6
+    assert (np.hypot(*(places_m - way.at(times_s)).T).max() <= OFF_M) == (not kinds)
+
+
 @pytest.mark.parametrize(("lateral_m_s2", "kinds"), [(0.99, set()), (1.7, {"corner acceleration"})])
 def test_far_away_legs_below_a_millisecond_hide_no_curve(lateral_m_s2: float, kinds: set[str]) -> None:
     """At 5 m/s for 2 s, in legs of 0.11 ms, of which rounding at the northings of UTM hides 4e-4 m/s each."""

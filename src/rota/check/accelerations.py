@@ -39,6 +39,7 @@ PIECES_S, COARSE = (
     (1e-3, 1e-2),
     1.5,
 )  # of what is judged in pieces, which differ in length: by this much more than the limits
+FAR_BEYOND = 10  # times what rounding may make of a jump: then it says little of it
 MOST_ROUNDED_M_S = 1e-2  # that rounding may add up to over all short legs of a round before they are judged in pieces
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 
@@ -80,9 +81,12 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
     whole = not from_rest or bool(np.isinf(motion.lasts_s[0]))
     violations += _vertex_violations(trajectory, _without_cuts(motion), most_m_s2, corner_m_s2, whole)
     for piece_s in PIECES_S:
-        if not violations and (coarse := _in_even_pieces(told, piece_s)) is not None:
+        if (
+            not violations
+            and (coarse := _in_even_pieces(told, piece_s, piece_s * max(most_m_s2, corner_m_s2))) is not None
+        ):
             limits_m_s2 = COARSE * most_m_s2, COARSE * corner_m_s2
-            violations += _vertex_violations(trajectory, coarse, *limits_m_s2, whole)
+            violations += _vertex_violations(trajectory, _without_cuts(coarse), *limits_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop's first point may be one on a leg; then what tells is the motion without it
         without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3, whole)
@@ -143,17 +147,20 @@ def _without_vague_legs(motion: _Motion) -> _Motion:
     )
 
 
-def _in_even_pieces(motion: _Motion, piece_s: float) -> _Motion | None:
+def _in_even_pieces(motion: _Motion, piece_s: float, corner_m_s: float) -> _Motion | None:
     """The motion with rows of legs shorter than a tenth of a piece in such pieces; None: it has few of them.
 
     What rounding may make of each such leg's velocity could add up to any curve. A piece has the mean velocity and
-    acceleration of its legs. Rows of less than that are part of the leg before; those that come first are left
-    out.
+    acceleration of its legs. Jumps of velocity beyond corner_m_s that are far beyond rounding are at the ends of rows.
+    Rows of less than a piece are part of the leg before; those that come first are left out.
     """
     short = motion.lasts_s < piece_s / 10
     if motion.noise_m_s[short].sum() <= ROUNDS * MOST_ROUNDED_M_S:
         return None
-    begins = np.flatnonzero(np.diff(short, prepend=~short[0]))  # of rows of short legs, and of others
+    jumps_m_s = _sizes(motion.begin_m_s[1:] - motion.end_m_s[:-1])
+    far_m_s = np.maximum(corner_m_s, FAR_BEYOND * (motion.noise_m_s[1:] + motion.noise_m_s[:-1]))
+    # of rows of short legs, and of others
+    begins = np.flatnonzero(np.diff(short, prepend=~short[0]) | np.append(False, short[1:] & (jumps_m_s > far_m_s)))
     lasts_s = np.where(short, motion.lasts_s, 0.0)
     row_s, until_s = np.add.reduceat(lasts_s, begins), np.cumsum(lasts_s) - lasts_s
     row = np.cumsum(np.isin(np.arange(len(short)), begins)) - 1
