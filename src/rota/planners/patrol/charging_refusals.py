@@ -8,8 +8,6 @@ from typing import Any
 from rota.model.refusals import Where, fleet_blocks, inner
 from rota.vehicles.presets import ON_MISSIONS
 
-RUNNING_DOWN = ("endurance_s", "battery")  # by which robots have batteries that run low
-
 
 def charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """Copters on missions of their own, starts and lanes, where robots have an endurance."""
@@ -18,7 +16,7 @@ def charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     for where, block in listed or [(("fleet",), fleet)]:
         told = {name: (where if inner(block, name) is not None else ("fleet",)) for name in ("vehicle", "start")}
         values = {name: inner(block, name) if told[name] == where else inner(fleet, name) for name in told}
-        told_by = next((name for name in RUNNING_DOWN if inner(block, name) or inner(fleet, name)), None)
+        told_by = next((name for name in ("endurance_s", "battery") if inner(block, name) or inner(fleet, name)), None)
         if told_by is None:
             continue
         if values["vehicle"] in ON_MISSIONS:

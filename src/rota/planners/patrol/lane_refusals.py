@@ -8,15 +8,14 @@ from typing import Any
 from rota.model.motion_limits import MOTION_FIELDS
 from rota.model.refusals import Where, every_motion, fleet_blocks, inner
 
-DRIVING_FIELDS = (*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m")
-
 
 def lane_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
     """Limits of motion and turning, starts, demands other than visits, and other methods, on lanes or in a graph."""
     is_graph = inner(data, "area", "graph") is not None
     if not (is_graph or data.get("lanes")):
         return
-    yield from every_motion(data, DRIVING_FIELDS, "on lanes robots turn and change their speed at once: remove it")
+    driving_fields = (*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m")
+    yield from every_motion(data, driving_fields, "on lanes robots turn and change their speed at once: remove it")
     for where, block in fleet_blocks(data):
         for name in ("start", "entrances"):
             if inner(block, name) is not None:

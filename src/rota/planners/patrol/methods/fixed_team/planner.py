@@ -19,7 +19,7 @@ from rota.planners.patrol.methods.fixed_team.for_targets import plan_for_targets
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
 from rota.planners.patrol.methods.fixed_team.one_loop import is_one_loop, shortest_loop
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
-from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, apart, best_ratio, too_few
+from rota.planners.patrol.methods.fixed_team.reasons import apart, best_ratio, too_few
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.team_tours import join_for_team, starts_per_component, with_helpers
 from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
@@ -152,7 +152,8 @@ def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
     if best is None:
         plan = plan_of_tours(context, join_for_team(problem, groupings[0].tours, team.robots))
         crowded = touching(context.judge(plan)) if problem.robot.body_radius_m > 0 else None
-        raise NoPlanFound(too_few(context, team.robots, crowded or NOTHING_SEES_ALL), best=plan)
+        detail = crowded or "none was found that surely sees everything"
+        raise NoPlanFound(too_few(context, team.robots, detail), best=plan)
     ratio = best_ratio(best.repaired.verdict, best.ratio, reserve=reserve)
     raise NoPlanFound(too_few(context, team.robots, ratio, least_ratio=proved), best=plan)
 

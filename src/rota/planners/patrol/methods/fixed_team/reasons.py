@@ -5,8 +5,6 @@ from __future__ import annotations
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.verdict import Verdict, demand_in_words, robots_in_words, touching, worst_demand
 
-NOTHING_SEES_ALL = "none was found that surely sees everything"
-
 
 def too_few(context: Context, robots: int, detail: str, *, least_ratio: float = 0.0) -> str:
     """That so many robots do not meet the demand, whether that is proved, the detail, and what is proved.
