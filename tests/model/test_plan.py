@@ -23,3 +23,16 @@ def test_a_leg_that_would_begin_backwards_is_refused() -> None:
         Trajectory(robot="a", times_s=[0, 2], positions_m=[[0, 0], [4, 0]], accelerations_m_s2=[2.1], loop_start_s=2)
     with pytest.raises(PlanError, match="one per leg"):
         Trajectory(robot="a", times_s=[0, 2], positions_m=[[0, 0], [4, 0]], accelerations_m_s2=[0, 0], loop_start_s=2)
+
+
+def test_far_away_a_leg_may_begin_at_rest_as_rounding_leaves_it() -> None:
+    """At the northings of UTM, from rest at 0.999 m/s2: places are told to 1e-9 m there, and the leg is 2 to 8 cm long."""
+    for k in range(200):
+        lasts_s = 0.2 + k / 1000
+        far_m = 5.5e6 + k
+        places_m = np.array([[5e5, far_m], [5e5, far_m + 0.999 * lasts_s**2 / 2]])
+        told = {"positions_m": places_m, "accelerations_m_s2": [0.999], "loop_start_s": lasts_s}
+        trajectory = Trajectory(robot="a", times_s=[0, lasts_s], **told)
+        assert trajectory.bends[0] == pytest.approx(1, abs=1e-7)
+        with pytest.raises(PlanError, match="backwards"):
+            Trajectory(robot="a", times_s=[0, lasts_s * (1 + 1e-6)], **told | {"loop_start_s": lasts_s * (1 + 1e-6)})

@@ -221,7 +221,8 @@ class Trajectory:
             raise PlanError(f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]}; accelerations must be finite")
         lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
         halved = np.diff(self.times_s) ** 2 / 2  # of the shortest legs 0, by which nothing can be divided
-        backwards = np.flatnonzero(np.abs(given) * halved > lengths * (1 + BACKWARDS_SHARE))
+        noise_m = 4 * np.finfo(np.float64).eps * np.abs(self.positions_m).max()  # that lengths are off, far away
+        backwards = np.flatnonzero(np.abs(given) * halved > lengths * (1 + BACKWARDS_SHARE) + noise_m)
         if len(backwards):
             k = int(backwards[0])
             raise PlanError(
