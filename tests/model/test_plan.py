@@ -26,7 +26,7 @@ def test_a_leg_that_would_begin_backwards_is_refused() -> None:
 
 
 def test_far_away_a_leg_may_begin_at_rest_as_rounding_leaves_it() -> None:
-    """At the northings of UTM, from rest at 0.999 m/s2: places are told to 1e-9 m there, and the leg is 2 to 8 cm long."""
+    """At the northings of UTM, where places are told to 1e-9 m: from rest at 0.999 m/s2, over 2 to 8 cm."""
     for k in range(200):
         lasts_s = 0.2 + k / 1000
         far_m = 5.5e6 + k
