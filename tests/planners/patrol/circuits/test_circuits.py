@@ -16,7 +16,8 @@ from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Sensor, SquareSensor, Zone
 from rota.planners.patrol.circuits.ground import Circuit, Ground, cut_at_chargers, grounds_of, without_seen
 from rota.planners.patrol.circuits.launches import Ring, fewest_rings
-from rota.planners.patrol.driving.timed_line import steady
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.relief.flights import robot_of_jobs
 
 PAD = Charger(name="pad", at=(300, 5), places=20)
 
@@ -167,3 +168,14 @@ def test_what_circuits_see_on_their_way_is_left_out_and_nothing_else(sensor: Sen
     assert gone.area > 0.8 * (50 * 20)  # of the way that is off the zone
     seen = shapely.LineString(line_m[:2]).buffer(10, quad_segs=64)
     assert gone.difference(seen).area == pytest.approx(0, abs=1e-6)
+
+
+def test_turns_by_next_to_nothing_take_no_rows_of_their_own() -> None:
+    times_s = np.array(
+        [0.0, 5.0, np.nextafter(5.0, 6.0), 10.0, 15.0]
+    )  # the second step is lost beside the time of the launch
+    places_m = np.array([(0.0, 0.0), (5.0, 0.0), (5.0, 0.0), (5.0, 5.0), (0.0, 0.0)])
+    line = TimedLine(times_s, places_m, np.zeros(4))
+    robot = robot_of_jobs("robot-1", Charger(name="pad", at=(0, 0)), [(210.4, line)], 400.0)
+    np.testing.assert_allclose(robot.times_s, [0, 210.4, 215.4, 220.4, 225.4, 400])
+    np.testing.assert_allclose(robot.positions_m[2:5], [(5, 0), (5, 5), (0, 0)])

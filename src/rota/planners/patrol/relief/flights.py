@@ -52,9 +52,7 @@ def _job_line(job: Job, slot: Slot, own: Handovers, ways: Ways) -> tuple[float, 
     changes = np.concatenate(
         [into.accelerations_m_s2, [0.0], served.accelerations_m_s2, [0.0], back.accelerations_m_s2]
     )
-    kept = np.diff(times_s) > SAME_TIME_S
-    rows = np.concatenate([[True], kept])
-    return job.begins_s + (way_s - comes_s), TimedLine(times_s[rows], places_m[rows], changes[kept])
+    return job.begins_s + (way_s - comes_s), TimedLine(times_s, places_m, changes)
 
 
 def _rounds_at(slot: Slot, rounds: float, round_s: float, phase_s: float) -> TimedLine:
@@ -82,7 +80,7 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
     """
     first_s = jobs[0][0]
     rounds = np.floor((first_s + SAME_TIME_S) / lasts_s)
-    jobs = [(begins_s - rounds * lasts_s, line) for begins_s, line in jobs]
+    jobs = [(begins_s - rounds * lasts_s, _without_moments(line)) for begins_s, line in jobs]
     first_s = jobs[0][0]
     if abs(first_s) <= SAME_TIME_S:
         jobs, first_s = [(begins_s - first_s, line) for begins_s, line in jobs], 0.0
@@ -104,6 +102,13 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
         robot=name, times_s=line.times_s, positions_m=line.places_m, charges=tuple(charges),
         accelerations_m_s2=changes if changes.any() else None,
     )  # fmt: skip
+
+
+def _without_moments(line: TimedLine) -> TimedLine:
+    """The line without steps that take no time but for rounding: turns by next to nothing, and seams of its parts."""
+    kept = np.diff(line.times_s) > SAME_TIME_S
+    rows = np.concatenate([[True], kept])
+    return TimedLine(line.times_s[rows], line.places_m[rows], line.accelerations_m_s2[kept])
 
 
 def _from_zero(line: TimedLine, docked: Flags, lasts_s: float) -> tuple[TimedLine, Flags]:
