@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningAttempt, ShorteningSettings, ShorteningStage
@@ -67,12 +66,9 @@ EFFORTS: dict[Effort, SearchSettings] = {
             annealings=5,
             moves=150_000,
             later_stage=Stage(1 / 8, 6.0, 0.0075),
-            later_unseen_limit=0.015,
-            bent_over_budget_limit=math.inf,
             near_budget_limit=0.006,
-            retry_limit=0.02,
         ),
-        repair=RepairSettings(rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005),
+        repair=RepairSettings(rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, bend=0.005),
         fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025),
         sweeping=SweepingSettings(tries=2, angles=3),
         districts=DistrictSettings(enough=1.1, piece_moves=300),
@@ -90,11 +86,9 @@ EFFORTS: dict[Effort, SearchSettings] = {
             annealings=5,
             moves=600_000,
             later_stage=Stage(1 / 8, 6.0, 0.0075),
-            later_unseen_limit=0.0008,
-            bent_over_budget_limit=0.005,
             near_budget_limit=0.006,
         ),
-        repair=RepairSettings(rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005),
+        repair=RepairSettings(rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, bend=0.005),
         fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015),
         sweeping=SweepingSettings(tries=2, angles=6),
         districts=DistrictSettings(enough=1.05, piece_moves=1_200),
@@ -117,11 +111,9 @@ EFFORTS: dict[Effort, SearchSettings] = {
             annealings=9,
             moves=1_200_000,
             later_stage=Stage(1 / 16, 20.0, 0.0075),
-            later_unseen_limit=0.015,
-            bent_over_budget_limit=math.inf,
             near_budget_limit=0.002,
         ),
-        repair=RepairSettings(rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002),
+        repair=RepairSettings(rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, bend=0.002),
         fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01),
         sweeping=SweepingSettings(tries=8, angles=12),
         districts=DistrictSettings(enough=1.0, piece_moves=4_800),

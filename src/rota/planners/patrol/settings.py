@@ -62,7 +62,6 @@ class ScreeningSettings:
     moves: of one annealing.
     unseen_limit: allocations that leave a larger share of the ground unseen are dropped.
     nested_unseen_limit: the same for nested ones, which take longer to find their shape.
-    nested_factor: the shortfall of nested ones counts this much, since the moves to come gain them more.
     multistart_limit: with several seeds, others go on if their shortfall is at most this multiple of the best one's.
     """
 
@@ -71,7 +70,6 @@ class ScreeningSettings:
     moves: int
     unseen_limit: float = 0.045
     nested_unseen_limit: float = 0.09
-    nested_factor: float = 0.8
     multistart_limit: float = 1.5
 
 
@@ -136,26 +134,19 @@ class AlternationSettings:
     first_stages: the annealings before the first repair.
     later_stage: the annealing after the first repair has half of this heat and reserve, each later one half again.
     unseen_limit: an attempt ends if the tours it begins with leave a larger share of the ground unseen.
-    later_unseen_limit: the same after the first annealing, where linear programs do the repair.
     over_budget_limit: an attempt ends if tours are over a budget by a larger share of it.
-    bent_over_budget_limit: the same before a repair by linear programs.
-    gain_limit: an attempt goes on if a repair leaves at most this multiple of the least excess so far.
-    near_budget_limit: it goes on, too, if the excess is at most this share of a budget.
-    retry_limit: another attempt is made if some repair came within this share of the budgets.
+    near_budget_limit: an attempt goes on if a repair leaves less excess than any before, or at most this share of a
+        budget, and another one is made if some repair came so near.
     """
 
     attempts: int
     annealings: int
     moves: int
     later_stage: Stage
-    later_unseen_limit: float
-    bent_over_budget_limit: float
     near_budget_limit: float
     first_stages: tuple[Stage, ...] = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))
     unseen_limit: float = 0.015
     over_budget_limit: float = 0.03
-    gain_limit: float = 0.8
-    retry_limit: float = 0.002
 
     @property
     def stages(self) -> list[Stage]:
@@ -172,7 +163,7 @@ class RepairSettings:
     rounds: of repair and judgement.
     over_budget_limit: tours over a budget by at most this share of it are repaired further.
     tight_range_margin: share of the range margin that is kept while tight tours are bent.
-    tight_bend, roomy_bend: tight tours, and others, are bent this much farther than to what they miss, in reaches.
+    bend: tours are bent this much farther than to what they miss, in reaches.
     tight_bend_growth: by which that grows in every round, as a share of the range margin.
     roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
     bending_steps: linear programs of one round.
@@ -181,8 +172,7 @@ class RepairSettings:
     rounds: int
     over_budget_limit: float
     tight_range_margin: float
-    tight_bend: float
-    roomy_bend: float = 0.02
+    bend: float
     tight_bend_growth: float = 0.03
     roomy_bend_growth: float = 0.25
     bending_steps: int = 25

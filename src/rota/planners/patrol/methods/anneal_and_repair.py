@@ -10,7 +10,6 @@ from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import AlternationSettings, Stage
 from rota.planners.patrol.tours.tour import Tour, excesses
@@ -27,7 +26,7 @@ def anneal_and_repair(context: Context, search: Annealed, *, seed: int) -> Itera
     for attempt in range(attempts):
         excess = yield from attempt_with_seed(context, search, seed=seed + 10 * attempt)
         least_excess = min(excess, least_excess)
-        if math.isinf(excess) or least_excess > settings.retry_limit or context.should_stop():
+        if math.isinf(excess) or least_excess > settings.near_budget_limit or context.should_stop():
             return
 
 
@@ -42,17 +41,13 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
     settings = context.settings.alternation
     extra = no_points()
     least_excess = math.inf
-    bends = can_bend(context.problem)
     for turn, stage in enumerate(settings.stages):
-        unseen_limit = settings.later_unseen_limit if turn and bends else settings.unseen_limit
         over_limit = excess_share(context, search.tours) > settings.over_budget_limit
-        if context.should_stop() or search.unseen_share > unseen_limit or over_limit:
+        if context.should_stop() or search.unseen_share > settings.unseen_limit or over_limit:
             break
         search = context.run(anneal_once_more, search, extra, stage, seed=seed + 1 + turn)
         if turn + 1 < len(settings.first_stages):
             continue
-        if bends and excess_share(context, search.tours) > settings.bent_over_budget_limit:
-            break
         repaired = context.run(
             repair_until_feasible,
             search.tours,
@@ -94,5 +89,5 @@ def excess_share(context: Context, tours: Sequence[Tour]) -> float:
 
 def goes_on(excess: float, least_excess: float, settings: AlternationSettings) -> bool:
     """Whether another annealing may bring the tours within budgets that they exceed by this share after a repair."""
-    gains = excess <= max(settings.gain_limit * least_excess, settings.near_budget_limit)
+    gains = excess < least_excess or excess <= settings.near_budget_limit
     return gains and excess <= settings.over_budget_limit

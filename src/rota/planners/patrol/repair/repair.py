@@ -302,8 +302,8 @@ def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool
     """
     problem, settings = context.problem, context.settings.repair
     if bends and are_tight(tours):
-        return settings.tight_bend * problem.reach_m + settings.tight_bend_growth * turn * problem.range_margin_m
-    further_m = settings.roomy_bend * problem.reach_m if bends else 0.0
+        return settings.bend * problem.reach_m + settings.tight_bend_growth * turn * problem.range_margin_m
+    further_m = settings.bend * problem.reach_m if bends else 0.0
     return further_m + settings.roomy_bend_growth * turn * problem.range_margin_m
 
 

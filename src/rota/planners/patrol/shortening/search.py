@@ -160,7 +160,7 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
     settings = context.settings.shortening
     repair = replace(
         context.settings.repair,
-        bending_steps=settings.bending_steps, tight_bend=0.01, roomy_bend=0.01,
+        bending_steps=settings.bending_steps, bend=0.01,
         over_budget_limit=0.002,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))

@@ -58,17 +58,11 @@ def test_what_leaves_too_much_unseen_is_dropped(quick: Context, candidates: list
     assert len(screen(with_limits(quick, unseen_limit=1.0), candidates, seed=3)) == 2
 
 
-def test_nested_loops_have_limits_and_a_factor_of_their_own(quick: Context, candidates: list[Allocation]) -> None:
+def test_nested_loops_have_a_limit_of_their_own(quick: Context, candidates: list[Allocation]) -> None:
     shared = next(allocation for allocation in candidates if len(allocation.tours) == 1)
     both = [replace(shared, nested=True), *[each for each in candidates if each is not shared]]
     alone = screen(with_limits(quick, unseen_limit=-1.0, nested_unseen_limit=1.0), both, seed=3)
     assert [len(tours) for tours in alone] == [1]
-    orders = [
-        [len(tours) for tours in screen(
-            with_limits(quick, unseen_limit=1.0, nested_unseen_limit=1.0, nested_factor=factor), both, seed=3)]
-        for factor in (0.0, 1e6)
-    ]  # fmt: skip
-    assert orders == [[1, 3], [3, 1]]
 
 
 def test_with_several_seeds_only_those_near_the_best_go_on(quick: Context, candidates: list[Allocation]) -> None:

@@ -34,11 +34,9 @@ def screen(context: Context, candidates: list[Allocation], *, seed: int) -> list
     )  # fmt: skip
     ranked: list[tuple[float, list[Tour]]] = []
     for allocation, search in zip(candidates, searches, strict=True):
-        limit, factor = settings.unseen_limit, 1.0
-        if allocation.nested:
-            limit, factor = settings.nested_unseen_limit, settings.nested_factor
+        limit = settings.nested_unseen_limit if allocation.nested else settings.unseen_limit
         if search.unseen_share <= limit:
-            ranked.append((factor * search.shortfall_m, search.tours))
+            ranked.append((search.shortfall_m, search.tours))
     ranked.sort(key=lambda pair: pair[0])
     least_m = min((shortfall_m for shortfall_m, _ in ranked), default=0.0)
     most_m = settings.multistart_limit * least_m if is_thorough else math.inf
