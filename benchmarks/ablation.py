@@ -32,7 +32,6 @@ from rota.planners.patrol.settings import SearchSettings, Stage
 
 RANDOM_MISSIONS = 300
 PATROL = "rota.planners.patrol"
-ALTERNATION = f"{PATROL}.methods.anneal_and_repair"
 REPAIR = f"{PATROL}.repair.repair"
 SEARCH = f"{PATROL}.methods.fewest.search"
 ALLOCATION = f"{PATROL}.initial.allocation"
@@ -87,7 +86,7 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 
 MECHANISMS = (
-    Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
+    Mechanism("bending", (f"{REPAIR}.can_bend",), lambda *_: False),
     Mechanism("tightening", (f"{REPAIR}.tighten",), second, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.lead_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), second, changed),

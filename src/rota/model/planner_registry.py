@@ -23,12 +23,12 @@ def planner_names() -> tuple[str, ...]:
     return (*PLANNERS, *sorted(set(offered_planners()) - set(PLANNERS)))
 
 
+@cache
 def offered_planners() -> dict[str, str]:
     """Names and places of the planners that other distributions offer."""
     return offers(ENTRY_POINTS)
 
 
-@cache
 def offers(group: str) -> dict[str, str]:
     """Names and places of what other distributions offer by the entry points of a group."""
     from importlib.metadata import entry_points
