@@ -230,6 +230,7 @@ def plan_and_check(mission: Path, folder: Path, capsys: pytest.CaptureFixture[st
     return report["robots"], report["lower_bound_robots"], len(read_plan(plan_file).trajectories)
 
 
+@pytest.mark.slow  # plans two examples
 def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan_file = tmp_path / "plan.json"
     assert run(["plan", str(EXAMPLES / "bounce-cover.yaml"), "-o", str(plan_file)]) == 0

@@ -87,6 +87,7 @@ def test_a_reader_gets_all_in_order_and_ends_when_the_inbox_closes() -> None:
     assert asyncio.run(read()) == [1, 2, 3, 4]
 
 
+@pytest.mark.slow  # counts memory over many messages
 def test_fifty_thousand_messages_leave_nothing_behind() -> None:
     rng = random.Random(0)
     junk = [math.nan, math.inf, -1.0, 1e300, None, "x" * 50, [], {}, b"\0", (1, 2, 3), "a", 9.5, 10**30, True]

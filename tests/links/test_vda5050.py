@@ -231,6 +231,7 @@ def test_an_order_update_that_was_lost_comes_again(port: int, monkeypatch: pytes
     assert [order.endswith(":2") for order in agv.taken].count(True) >= 2
 
 
+@pytest.mark.slow  # counts memory over many messages
 def test_a_hundred_thousand_malformed_messages_leave_nothing_behind() -> None:
     agv, rng = Agv("a"), random.Random(1)
     good = json.dumps(agv.state()).encode()

@@ -18,6 +18,7 @@ from rota.rehearsal.estimates import mean_over_runs, share_of_runs
 ASKED = {"hours": 1.0, "failures_per_hour": 0.5, "speed_noise": 0.05, "wind_m_s": 0.2, "runs": 10, "seed": 4}
 
 
+@pytest.mark.slow  # starts processes anew
 def test_the_same_seed_gives_the_same_on_any_number_of_processes() -> None:
     plan = round_a_block(body_m=0.3)
     by_threads = rota.rehearse(plan, **ASKED)

@@ -53,6 +53,7 @@ def times(cell: str) -> list[float]:
     return [float(told.partition(" ")[0]) for told in ([] if cell == "–" else cell.split(", "))]
 
 
+@pytest.mark.slow  # plans a case in every way
 def test_robots_are_counted_for_each_way(case: Case) -> None:
     (row,) = robots_table("robots", [case]).rows
     robots = [len(one.partition.first) for one in case.printed]

@@ -119,6 +119,7 @@ def test_too_few_robots_of_all_kinds_are_refused_with_a_proof() -> None:
         make_plan(with_kinds(wide, *kinds))
 
 
+@pytest.mark.slow  # a whole search
 def test_the_bound_on_the_cost_is_that_of_the_cheapest_fleet_that_sweeps_enough() -> None:
     rng = np.random.default_rng(3)
     for _ in range(2):
