@@ -263,20 +263,21 @@ def test_one_to_spare_on_another_charger_comes_to_that_of_the_robot_that_is_lost
     }
 
 
-def test_robots_come_into_rounds_that_move_where_these_are_nearest_in_time() -> None:
+@pytest.mark.parametrize("spare", [False, True])
+def test_robots_come_into_rounds_that_move_where_these_are_nearest_in_time(spare: bool) -> None:
     plan = turning(relay(spare=True))
     (robot, *_), chargers, lines = plan.mission.fleet.robots or (), plan.mission.chargers, plan.trajectories[:3]
     timetables = timetables_of(lines, robot, chargers)
     assert timetables is not None
     [[flown]] = [circulations(one) for one in timetables]
-    round_ = round_of(flown, timetables[0].turn_s, np.zeros(2))
+    round_, ways = round_of(flown, timetables[0].turn_s, np.zeros(2)), Ways(robot, PathsByBody(plan.mission))
 
     def arrivals(level_s: float) -> Arrivals:
         here_m = np.zeros(2)
         waits = Flyer(
             robot=robot, place_m=here_m, level_s=level_s, charger=chargers[0], lands=steady(np.zeros(1), here_m[None])
         )  # fmt: skip
-        return Arrivals(round_, [waits], chargers, Ways(robot, PathsByBody(plan.mission)))
+        return Arrivals(round_, [waits], chargers, ways, moving=True, spare=spare)
 
     # the round is at (10, 0), and after 20 - x s at (x, 10), by a way round the block of 9.7 m + x from the pad
     full = arrivals(60.0)
@@ -295,7 +296,8 @@ def test_robots_come_into_rounds_that_move_where_these_are_nearest_in_time() -> 
     way_s = joins.joins_s - joins.leaves_s
     left_s = 34 + joins.leaves_s / 2 - way_s
     assert joins.leaves_s > 2
-    assert left_s == pytest.approx(10 + 40 - joins.phase_s, abs=0.2)
+    # to spare are 5 % of 40 s, which is less than half of what 40 of 60 s leave beyond the 10
+    assert left_s == pytest.approx(10 + 40 - joins.phase_s + 2 * spare, abs=0.2)
     assert full.behind(0, 50.0) is None  # it is on the pad
 
 

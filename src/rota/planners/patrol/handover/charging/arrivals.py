@@ -29,16 +29,18 @@ POINTS = 240  # of a round at which robots may come into it, beside its corners
 class Arrivals:
     """How each of some robots can come into one round, at each of its places.
 
-    moving: those that have to land first may come into the round as it moves, not on its chargers alone.
+    moving: those that have to land first may come into the round as it moves, not on its chargers alone. spare: they
+    have more than it needs.
     """
 
     def __init__(
-        self, round_: Round, flyers: Sequence[Flyer], chargers: tuple[Charger, ...], ways: Ways, *, moving: bool = True
-    ) -> None:
+        self, round_: Round, flyers: Sequence[Flyer], chargers: tuple[Charger, ...], ways: Ways, *, moving: bool,
+        spare: bool,
+    ) -> None:  # fmt: skip
         self.round, self._flyers, self._chargers, self._ways, self._paths = round_, flyers, chargers, ways, ways.paths
         self._way, self._lasts_s = round_.way, round_.way.loop_duration_s
         self._moving = moving
-        self._needs = Needs(round_.way, flyers[0].robot, chargers)
+        self._needs = Needs(round_.way, flyers[0].robot, chargers, spare=spare)
         self._speed_m_s = flyers[0].robot.ground_speed_m_s * SLOWER
 
     @cached_property
@@ -117,7 +119,7 @@ class Arrivals:
             stays_s, charger = moments_s - way_s - to_s, one.charger if via is None else via
             stays_s = np.where(np.abs(stays_s) <= SHORTEST_S, 0.0, stays_s)
             leaves = ~docked | (way_s > SHORTEST_S) if charger is not None else np.ones(len(stays_s), np.bool_)
-            needs_s = self._needs.at(phases_s, lands=leaves) + SHORTEST_S
+            needs_s = self._needs.at(phases_s, lands=leaves)
             there_s = one.level_s - to_s - takeoff_s * (via is not None and one.charger is not None)
             if charger is None:
                 left_s = np.where(stays_s >= 0, there_s - battery.standing_uses * stays_s, np.nan)
@@ -128,7 +130,7 @@ class Arrivals:
                 climbs_s = one.climbs_s if via is None else battery.climbing_s
                 charges_s = np.where(stays_s >= 0, stays_s - lands_s - climbs_s * leaves, np.nan)
                 left_s = one.level_after_s(there_s, charges_s, charger) - takeoff_s * leaves
-            is_enough = left_s - way_s >= np.where(moments_s == 0, needs_s - SHORTEST_S, needs_s)
+            is_enough = left_s - way_s >= needs_s + np.where(moments_s == 0, 0.0, self._needs.spare_s + SHORTEST_S)
             if is_enough.any() and moments_s[first := int(np.argmax(is_enough))] < best.joins_s:
                 served_s = self._needs.service_s(np.array([now_s, now_s + moments_s[first]]))
                 best = Arrival(

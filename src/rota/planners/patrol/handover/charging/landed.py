@@ -69,13 +69,14 @@ class Landed:
             asked = self._at(np.mod(now_s + moments_s, self._lasts_s) if self._lasts_s > 0 else 0.0 * moments_s)
         else:
             asked = self._known.choose(order)
-        found = self._first_landed(one, moments_s, asked)
+        goes_on = self._goes_on(one, now_s)
+        found = self._first_landed(one, moments_s, asked, 0.0 if goes_on else self._needs.spare_s)
         if self.moving:
             found = self._first_moving(one, moments_s, asked, found.joins_s) or found
         if not np.isfinite(found.joins_s):
             return found
         # who goes on with its own flight flies in its place
-        alone_s = one.lands.duration_s if one.lands is not None and self._goes_on(one, now_s) else 0.0
+        alone_s = one.lands.duration_s if one.lands is not None and goes_on else 0.0
         served_s = self._needs.service_s(np.array([now_s + alone_s, now_s + max(found.joins_s, alone_s)]))
         return replace(found, unserved_s=float(served_s[1] - served_s[0]))
 
@@ -99,12 +100,13 @@ class Landed:
         left, used_s, charger = flight_left(begin_at(self._way, phase_s), one.robot, self._chargers)
         enters = chain(way.line_to(1.0), left)
         used_s += battery.departure_s + (enters.duration_s - left.duration_s) * max(1.0, battery.standing_uses)
-        lacks_s = max(battery.reserve_s + used_s - one.level_s, 0.0)
+        asked_s = min(battery.reserve_s + used_s + self._needs.spare_s, battery.endurance_s or np.inf)
+        lacks_s = max(asked_s - one.level_s, 0.0)
         leaves_s = self._leaves_s(one) + fills_s(one.robot, one.charger, lacks_s)
         if used_s > battery.usable_s or not np.isfinite(leaves_s):
             return None
         ready_s = leaves_s + enters.duration_s + battery.landing_s
-        found = self._first_on(one, charger, one.level_s + lacks_s - used_s, ready_s, moments_s[order], asked)
+        found = self._first_on(one, charger, one.level_s + lacks_s - used_s, ready_s, moments_s[order], asked, 0.0)
         return replace(found, via=charger, leaves_s=leaves_s, enters=enters) if np.isfinite(found.joins_s) else None
 
     @cached_property
@@ -138,25 +140,28 @@ class Landed:
         stands = one.lands is None or one.lands.stays
         return self._ready_s(one) + (one.climbs_s if stands else one.robot.battery.climbing_s)
 
-    def _first_landed(self, one: Flyer, moments_s: Floats, asked: _Moments) -> Arrival:
+    def _first_landed(self, one: Flyer, moments_s: Floats, asked: _Moments, spare_s: float) -> Arrival:
         """The first moment at which the round is on a charger on which the robot is: its own, if any is."""
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
         if self._chargers.index(one.charger) in self._known.docks:
-            return self._first_on(one, one.charger, one.level_s, self._ready_s(one), moments_s, asked)
+            return self._first_on(one, one.charger, one.level_s, self._ready_s(one), moments_s, asked, spare_s)
         best = Arrival()
         for each in one.transfers:
             ready_s = each.leaves_s + each.way.duration_s + one.robot.battery.landing_s
-            found = self._first_on(one, each.charger, each.level_s, ready_s, moments_s, asked)
+            found = self._first_on(one, each.charger, each.level_s, ready_s, moments_s, asked, spare_s)
             if found.joins_s < best.joins_s:
                 best = replace(found, via=each.charger)
         return best
 
     def _first_on(
-        self, one: Flyer, charger: Charger, level_s: float, ready_s: float, moments_s: Floats, asked: _Moments
-    ) -> Arrival:
-        """The same at a charger at which the robot charges from some time on."""
+        self, one: Flyer, charger: Charger, level_s: float, ready_s: float, moments_s: Floats, asked: _Moments,
+        spare_s: float,
+    ) -> Arrival:  # fmt: skip
+        """The same at a charger at which the robot charges from some time on, with so much to spare."""
         left_s = one.level_after_s(level_s, moments_s - ready_s, charger)
-        is_enough = (asked.docks == self._chargers.index(charger)) & (left_s >= asked.landed_s)
+        is_enough = (asked.docks == self._chargers.index(charger)) & (
+            left_s >= asked.landed_s + np.where(moments_s == 0, 0.0, spare_s)
+        )
         if not is_enough.any():
             return Arrival()
         first = int(np.argmax(is_enough))
@@ -188,9 +193,9 @@ class Landed:
     def _has_enough(self, one: Flyer, stays_s: Floats, way_s: Floats, needs_s: Floats) -> NDArray[np.bool_]:
         """Whether a robot that charges for so long and then flies so long into the round can go on with it for ever."""
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
-        battery = one.robot.battery
+        battery, least_s = one.robot.battery, self._needs.spare_s + SHORTEST_S
         used_s = battery.departure_s + way_s * max(1.0, battery.standing_uses)
-        return np.asarray(one.level_after_s(one.level_s, stays_s, one.charger) - used_s >= needs_s + SHORTEST_S)
+        return np.asarray(one.level_after_s(one.level_s, stays_s, one.charger) - used_s >= needs_s + least_s)
 
     def _way_into(self, charger: Charger, phase_s: float) -> Way | None:
         """The way from a charger into the round at a moment of it; None: walls or a curve leave no room for it."""

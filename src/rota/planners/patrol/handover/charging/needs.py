@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,16 +15,23 @@ from rota.routes.charging_legs import charging_legs
 
 Floats = NDArray[np.float64]
 
+SPARE_SHARE = 0.05  # of what the longest flight of a round takes: at most so much is to spare
+
 
 class Needs:
-    """What a round asks of a battery at each of its moments."""
+    """What a round asks of a battery at each of its moments.
 
-    def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) -> None:
+    spare_s: what a robot that comes into it has beyond that, since nobody flies exactly by plan: at most half of what a
+    robot has that begins with a full battery.
+    """
+
+    def __init__(self, way: Trajectory, robot: Robot, chargers: tuple[Charger, ...], *, spare: bool) -> None:
         self._legs, self._reserve_s = charging_legs(way, robot, chargers), robot.battery.reserve_s
         self._lands_s, self._climbs_s = robot.battery.landing_s, robot.battery.climbing_s
         takeoff_s = robot.battery.departure_s
         self.docked, self._way = self._legs.docks >= 0, way
         count, self._after_s = len(self._legs.begins_s), np.full(len(self._legs.begins_s), robot.battery.reserve_s)
+        self.spare_s = 0.0
         if way.loop_duration_s > 0:
             before = np.roll(self.docked, 1)
             departs_s = np.where(before & ~self.docked, takeoff_s, 0.0).tolist()
@@ -33,6 +43,21 @@ class Needs:
                 needs_s = 0.0 if full[leg] else after_s[leg] + takes_s[leg]
                 after_s[leg - 1] = max(needs_s, self._reserve_s) + departs_s[leg]
             self._after_s = np.array(after_s)
+            full_s = robot.battery.endurance_s or math.inf
+            if spare and math.isfinite(full_s):
+                self.spare_s = self._spare_s(full_s, departs_s, takes_s, full)
+
+    def _spare_s(
+        self, full_s: float, departs_s: Sequence[float], takes_s: Sequence[float], full: Sequence[bool]
+    ) -> float:
+        """What is to spare: departs_s at the beginnings of legs and takes_s on them are used; full at their ends."""
+        level_s = least_s = full_s
+        for leg in [*range(len(takes_s)), *range(len(takes_s))]:  # of the first round nobody knows how it was begun
+            level_s -= departs_s[leg]
+            level_s = full_s if full[leg] else min(level_s - takes_s[leg], full_s)
+            least_s = min(least_s, level_s - float(self._after_s[leg]))
+        longest_s = float(np.max(np.where(self.docked, self._legs.needs_s, 0.0), initial=0.0))
+        return max(0.0, min(SPARE_SHARE * longest_s, least_s / 2))
 
     def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
         """The leg of the round at each of its moments (k,)."""

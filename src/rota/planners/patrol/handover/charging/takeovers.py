@@ -45,9 +45,16 @@ def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:
         yield Plan(mission=asked.mission, seed=asked.seed, seam=asked.seam, trajectories=lines)
     takeover = _Takeover(asked)
     timetables = takeover.timetables()
-    if timetables is not None:
+    if timetables is None:
+        return
+    for spare in (True, False):
+        found = False
         for rounds in takeover.rounds(timetables):
-            yield from takeover.plans(rounds)
+            for plan in takeover.plans(rounds, spare=spare):
+                found = True
+                yield plan
+        if found:
+            return
 
 
 class _Taken(NamedTuple):
@@ -218,12 +225,12 @@ class _Takeover:
             found.append(stay_at(charger))
         return found
 
-    def plans(self, rounds: Sequence[Round]) -> Iterator[Plan]:
-        """Plans in which robots fly these rounds: better and better ones."""
+    def plans(self, rounds: Sequence[Round], *, spare: bool) -> Iterator[Plan]:
+        """Plans in which robots fly these rounds: better and better ones. spare: with more left than that takes."""
         lands = not all(one.robot.turns_at_once for one in self._flyers)
         for moving in (True, False) if lands else (True,):
             chargers = self._mission.chargers
-            arrivals = [Arrivals(one, self._flyers, chargers, self._ways, moving=moving) for one in rounds]
+            arrivals = [Arrivals(one, self._flyers, chargers, self._ways, moving=moving, spare=spare) for one in rounds]
             taken = self._assign(arrivals, 0.0)
             found = self._ranks(taken)
             yield from (plan for _, plan in found)
