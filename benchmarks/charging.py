@@ -113,7 +113,7 @@ class Tiny(NamedTuple):
 
 def tiny_row() -> Row:
     """Robots of tiny missions beside the fewest by brute force, which is for steps of a second."""
-    more: list[int] = []
+    more, beyond = list[int](), list[int]()
     unplanned = below_bound = 0
     for seed in range(TINY):
         tiny = tiny_line(seed)
@@ -121,9 +121,14 @@ def tiny_row() -> Row:
         plan = make_plan(mission_of(tiny))
         unplanned += check_plan(plan).verdict != "met"
         below_bound += fewest <= MOST_BY_FORCE and (plan.lower_bound_robots or 0) > fewest
-        more.append(len(plan) - fewest)
+        if fewest > MOST_BY_FORCE:
+            beyond.append(len(plan))
+        else:
+            more.append(len(plan) - fewest)
     counts = ", ".join(f"{more.count(k)} by {k:+d}" for k in sorted(set(more)))
+    planned = ", ".join(f"{beyond.count(k)} with {k}" for k in sorted(set(beyond)))
     measured = f"{TINY - unplanned} met; robots differ from brute force: {counts}; bound above it: {below_bound}"
+    measured += f"; planned where it takes more than {MOST_BY_FORCE}: {planned}"
     return Row(f"{TINY} tiny missions with a charger", "as many robots as by brute force", measured, max(more) <= 0)
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Protocol
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
-from rota.model.plan import Plan
+from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.charging_bound import charging_bound, charging_of
 from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
@@ -20,7 +20,9 @@ from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fewest.search import share_of_progress
 from rota.planners.patrol.planner_settings import MOST_PATROLLING
+from rota.planners.patrol.relief.posts import posts_of
 from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
+from rota.planners.patrol.relief.slots import only_visits
 from rota.planners.patrol.verdict import Judge
 from rota.planning.progress import Watch
 
@@ -53,11 +55,8 @@ def plan_that_charges(
         always = prove_bound(problem)
     best = max_of([always, bound])
     loops = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
-    relieved: Plan | NoPlanFound
-    try:
-        relieved = relieve(replace(loops, mission=endless(tight)), tight, seed=seed, judge=judge)
-    except NoPlanFound as failure:
-        relieved = failure
+    posts = posts_of(problem, mission.chargers) if only_visits(mission) else ()
+    relieved = _take_turns([loops.trajectories, posts] if posts else [loops.trajectories], loops, tight, seed, judge)
     most = _most_on_circuits(mission, relieved, best.robots)
     if most > 0 and not should_stop():
         told = share_of_progress(progress, 0.4, 1.0)
@@ -72,6 +71,24 @@ def plan_that_charges(
     if isinstance(relieved, NoPlanFound):
         raise relieved
     return relieved
+
+
+def _take_turns(
+    tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, seed: int, judge: Judge
+) -> Plan | NoPlanFound:
+    """The plan with the fewest robots that take turns at the loops of one of some plans, or why none does."""
+    best: Plan | NoPlanFound | None = None
+    for number, ways in enumerate(tried):
+        try:
+            own = replace(loops, mission=endless(tight), trajectories=tuple(ways))
+            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0)
+        except NoPlanFound as failure:
+            best = best or failure
+            continue
+        if not isinstance(best, Plan) or len(found) < len(best):
+            best = found
+    assert best is not None
+    return best
 
 
 def _most_on_circuits(mission: Mission, relieved: Plan | NoPlanFound, bound: int) -> int:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import trajectories_of
+from rota.planners.patrol.relief.posts import with_fewer_posts
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
@@ -33,6 +36,7 @@ from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
 
+MORE = 4  # robots than a cycle takes at least are too many for it
 MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at loops, and on circuits
 
 
@@ -73,11 +77,11 @@ def require_reach(mission: Mission) -> None:
         )
 
 
-def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
+def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False) -> Plan:
     """A plan for the mission whose robots take turns at the loops of a plan for ``endless(mission)``.
 
-    Raises NoPlanFound where a loop is too far from all chargers for the battery, where chargers have too little room,
-    and where the judge passes no plan.
+    briefly: the first try alone. Raises NoPlanFound where a loop is too far from all chargers for the battery, where
+    chargers have too little room, and where the judge passes no plan.
     """
     verdict = judge(loops)
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
@@ -87,14 +91,24 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge) -> Plan:
     hasty = without_waits(slower, robot.ground_speed_m_s) if robot.turns_at_once else slower
     tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
     ways, found = Ways(robot, PathsByBody(mission)), None
-    for tried, number in itertools.product(
-        (hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)
-    ):
-        team = _Team(mission, tried, ways)
-        robots = team.trajectories(team.cycles(), seed + number, varied=number > 0)
-        found = replace(loops, mission=mission, trajectories=tuple(robots))
+
+    def plan_of(served: Sequence[Slot], below: float = math.inf, *, number: int) -> Plan:
+        """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
+        team = _Team(mission, served, ways)
+        cycles = team.cycles()
+        more = below - sum(cycle.robots for cycle in cycles)
+        if more <= 0:
+            raise NoPlanFound(f"{robots_in_words(int(below))} or more are needed")
+        robots = team.trajectories(cycles, seed + number, varied=number > 0, more=int(min(more, MORE)))
+        return replace(loops, mission=mission, trajectories=tuple(robots))
+
+    tries = list(itertools.product((hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)))
+    for tried, number in tries[:1] if briefly else tries:
+        found = plan_of(tried, number=number)
         if judge(found).verdict == "met":
-            return found
+            if mission.fleet.robots is not None:
+                return found
+            return with_fewer_posts(found, tried, partial(plan_of, number=number), judge)
     assert found is not None
     raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
 
@@ -187,8 +201,8 @@ class _Team:
             " give more, or a charger nearer by"
         )
 
-    def trajectories(self, cycles: Sequence[Cycle], seed: int, *, varied: bool) -> list[Trajectory]:
-        """The trajectories of all robots."""
+    def trajectories(self, cycles: Sequence[Cycle], seed: int, *, varied: bool, more: int) -> list[Trajectory]:
+        """The trajectories of all robots; a cycle has less than ``more`` beyond what it takes at least."""
         named = self._mission.fleet.robots
         rotations = []
         for cycle in cycles:
@@ -196,8 +210,8 @@ class _Team:
                 next(each for each in every if each.charger is cycle.charger) for every in self._handovers
             ]  # by slot
             tried = (
-                rotations_of(cycle, self._slots, own, cycle.robots + more, seed, varied=varied)
-                for more in range(4)  # robots more than a cycle takes at least
+                rotations_of(cycle, self._slots, own, cycle.robots + spare, seed, varied=varied)
+                for spare in range(more)
             )
             found = next((each for each in tried if each is not None), None)
             if found is None:

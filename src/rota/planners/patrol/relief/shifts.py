@@ -155,6 +155,8 @@ def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], battery:
     ways_s = [2 * float(own.ways_s.min()) for own in handovers]
     found = [(usable_s - way_s) / slot.uses(battery) for slot, way_s in zip(slots, ways_s, strict=True)]
     for slot in slots:
+        if slot.line.stays:  # and a pause
+            found += [seconds + slot.most_s for seconds in found[: len(slots)]]
         for round_s in {slot.least_s, slot.most_s} if not slot.line.stays else {slot.most_s}:
             found += (round_s * np.arange(1, min(most_s / round_s, most) + SAME_ROUND)).tolist()
     turns_s: Floats = np.unique([turn_s for turn_s in found if 0 < turn_s <= most_s])
@@ -166,7 +168,8 @@ def ways_to_serve(
     slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float
 ) -> list[_Way]:
     """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long."""
-    tried, uses = list(_whole_rounds(slot, own, turns_s, clearance_s)), slot.uses(battery)
+    whole, uses = _posts if slot.line.stays else _whole_rounds, slot.uses(battery)
+    tried = list(whole(slot, own, turns_s, clearance_s))
     if slot.least_s * uses + 2 * float(own.ways_s.min()) > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
     best: dict[tuple[int, float], _Way] = {}
@@ -183,6 +186,18 @@ def ways_to_serve(
 
 
 Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, rounds, round_s, way_s, possible
+
+
+def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+    """Jobs of robots that stay, each after a pause of a whole period where it need not be there sooner."""
+    way_s = float(own.ways_s.min())
+    for jobs in range(1, MOST_JOBS + 1):
+        each_s = turns_s / jobs
+        pause_s = np.minimum(slot.most_s, each_s - slot.least_s)
+        possible = pause_s >= 0
+        if clearance_s > 0:
+            pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
+        yield jobs, 1.0, each_s - pause_s, way_s, possible
 
 
 def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
