@@ -11,8 +11,8 @@ from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
 from benchmarks.sun_tables import TABLE_2
 from rota.files.mission_file import read_mission
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota_studies.sun2019_method.deploy import DeploySettings
+from rota_studies.sun2019_stages.deploy import Deployment, deploy_sensors
 
 SEEDS = range(5)
 MOST_SENSORS, MOST_S, MOST_EXACT = 96, 60, 89

@@ -20,15 +20,15 @@ from benchmarks.sun_tables import TABLE_2, TABLE_3, TABLE_4
 from benchmarks.warm_cache import measured_warm
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.frame import Frame
-from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour, tour_length
-from rota.planners.patrol.methods.sun2019.partition import partition_frame
-from rota.planners.patrol.methods.sun2019.tour import find_frame, straight_distances
 from rota_studies.sun2019 import figure_13
 from rota_studies.sun2019_method.algorithms import TourSettings
 from rota_studies.sun2019_method.partition import CostedPartition, PartitionSettings, cut_frame
 from rota_studies.sun2019_method.route_lengths import route_lengths_m
+from rota_studies.sun2019_stages.deploy import deploy_sensors
+from rota_studies.sun2019_stages.frame import Frame
+from rota_studies.sun2019_stages.local_search import locally_shortest_tour, tour_length
+from rota_studies.sun2019_stages.partition import partition_frame
+from rota_studies.sun2019_stages.tour import find_frame, straight_distances
 
 PEER = "fast-tsp>=0.2,<0.3"
 PEER_S = 2.0  # what the peer is given for a tour: its default

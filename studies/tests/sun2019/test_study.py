@@ -17,7 +17,6 @@ from PIL import Image
 from rota.errors import RotaError
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota_studies.study import Study, listed_figures, write_study
 from rota_studies.study_runs import StudyStopped
@@ -27,6 +26,7 @@ from rota_studies.sun2019.printed_settings import TABLE_7
 from rota_studies.sun2019.runs import Reading, Runs, StudySettings
 from rota_studies.sun2019.study import sun2019_study
 from rota_studies.sun2019_method.algorithms import PaperAlgorithms
+from rota_studies.sun2019_stages.deploy import deploy_sensors
 from rota_studies.verdict import spread
 
 STAGES = (6, 8, 12, 15)

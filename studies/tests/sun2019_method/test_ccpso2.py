@@ -12,8 +12,6 @@ from scipy import stats
 from shapely import MultiPolygon, box
 
 from rota.errors import MissionError
-from rota.planners.patrol.methods.sun2019.cells import cells_of, ground_for, lattice_over
-from rota.planners.patrol.methods.sun2019.zones import CoverTask, cover_tasks
 from rota_studies.sun2019_method import rule_kernels, swarm_kernels, update_kernels
 from rota_studies.sun2019_method.ccpso2 import (
     Evolution,
@@ -27,6 +25,8 @@ from rota_studies.sun2019_method.deploy import DeploySettings
 from rota_studies.sun2019_method.rule_kernels import Group, MovementLaw, Terrain
 from rota_studies.sun2019_method.swarm_kernels import Particles, Swarms
 from rota_studies.sun2019_method.update_kernels import VelocityLaw
+from rota_studies.sun2019_stages.cells import cells_of, ground_for, lattice_over
+from rota_studies.sun2019_stages.zones import CoverTask, cover_tasks
 
 BOX = np.array([0.0, 0.0, 100.0, 100.0])
 WEIGHTS = (1000.0, 100.0, 10.0, 1.0)

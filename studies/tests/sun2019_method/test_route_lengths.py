@@ -14,16 +14,18 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.methods.sun2019.route import length_m, route_round, stretch_line
-from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measure
+from rota.planners.patrol.methods.sun2019.route import route_round
+from rota_studies.sun2019_method.algorithms import algorithms_of
 from rota_studies.sun2019_method.mission_settings import Sun2019
 from rota_studies.sun2019_method.partition import PartitionSettings, cut_frame
 from rota_studies.sun2019_method.pso import rules_of
 from rota_studies.sun2019_method.pso_kernels import cost_of
 from rota_studies.sun2019_method.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
+from rota_studies.sun2019_stages.stages import Framed, cut_in_segments, framed_sensors, measure
+from rota_studies.sun2019_stages.stretches import length_m, stretch_line
 
 SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
-SETTINGS = replace(Sun2019().algorithms("quick"), partition=SMALL_SWARMS)
+SETTINGS = replace(algorithms_of(Sun2019(), "quick"), partition=SMALL_SWARMS)
 MISSION = Mission(
     name="yard",
     area=box(0, 0, 70, 60),

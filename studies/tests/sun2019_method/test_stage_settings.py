@@ -19,9 +19,9 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.model.planner_settings import Settings, settings_of
 from rota.planners.patrol.methods.sun2019.our_settings import Sun2019 as OwnSettings
-from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.sweep.cells import combinations
+from rota_studies.sun2019_method import algorithms
 from rota_studies.sun2019_method.algorithms import PaperAlgorithms
 from rota_studies.sun2019_method.mission_settings import (
     FrameSettings,
@@ -29,6 +29,7 @@ from rota_studies.sun2019_method.mission_settings import (
     SensorSettings,
     Sun2019,
 )
+from rota_studies.sun2019_stages.stages import cut_in_segments, framed_sensors
 
 ROOT = Path(__file__).parents[3]
 FIELD = """\
@@ -50,7 +51,7 @@ patrol:
 def algorithms_of(mission: Mission) -> PaperAlgorithms:
     planning = PatrolSettings.of(mission)
     assert isinstance(planning.method_settings, Sun2019)
-    return planning.method_settings.algorithms(planning.effort)
+    return algorithms.algorithms_of(planning.method_settings, planning.effort)
 
 
 def mission_of(tmp_path: Path, text: str) -> Mission:
@@ -70,19 +71,19 @@ def test_stage_settings_of_a_mission_file_reach_the_stages(tmp_path: Path) -> No
 
 def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
     asked = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="printed")
-    found = asked.algorithms("quick")
+    found = algorithms.algorithms_of(asked, "quick")
     assert found.deployments == (replace(TABLE_2, sensors_max=None),)
     assert (found.tour, found.partition) == (TABLE_3, TABLE_4)
-    printed = replace(asked, sensors=SensorSettings(sensors_max=160)).algorithms("quick")
+    printed = algorithms.algorithms_of(replace(asked, sensors=SensorSettings(sensors_max=160)), "quick")
     assert printed == replace(found, deployments=(TABLE_2,))
     assert printed.routes == "printed"
 
 
 def test_best_is_the_same_as_without_this_distribution() -> None:
-    for effort in ("quick", "normal", "high"):
-        own, here = OwnSettings().algorithms(effort), Sun2019().algorithms(effort)
-        assert [cover.method for cover in here.deployments] == [cover.method for cover in own.deployments]
-        assert (here.tour.method, here.partition.method, here.routes) == ("local_search", "exact", own.routes)
+    for deployment in ("best", "greedy", "exact"):
+        assert Sun2019(deployment=deployment).search == OwnSettings().search
+    for asked in (Sun2019(deployment="ccpso2"), Sun2019(routes="printed"), Sun2019(sensors=SensorSettings(cell_m=2))):
+        assert asked.search != OwnSettings().search
 
 
 def test_a_plan_file_keeps_stage_settings_and_lacks_those_at_their_defaults(tmp_path: Path) -> None:

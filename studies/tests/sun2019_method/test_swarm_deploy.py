@@ -13,8 +13,8 @@ from shapely import MultiPolygon, Point, Polygon, box
 
 from rota.files.mission_file import read_mission
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota_studies.sun2019_method.deploy import DeploySettings, history_of
+from rota_studies.sun2019_stages.deploy import Deployment, deploy_sensors
 
 SHORT = replace(TABLE_2, iterations=15, particles=10, sensors_max=None)
 FIELD = Mission(

@@ -13,12 +13,12 @@ from shapely import MultiPolygon, box
 from rota.errors import MissionError
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.tour import find_frame
 from rota_studies.sun2019 import figure_13
 from rota_studies.sun2019_method.algorithms import TourSettings
 from rota_studies.sun2019_method.genetic import genetic_tour
 from rota_studies.sun2019_method.genetic_kernels import closed_length, reversal_gain, reverse, slide, swap
+from rota_studies.sun2019_stages.deploy import deploy_sensors
+from rota_studies.sun2019_stages.tour import find_frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

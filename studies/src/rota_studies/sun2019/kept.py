@@ -9,11 +9,11 @@ from rota.compare import MethodOutcome
 from rota.draw.gap_map import gap_map
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.methods.sun2019.stages import Stages
 from rota_studies.records import drawn_ways, plan_digest
 from rota_studies.sun2019.loops import loops_of
 from rota_studies.sun2019.results import Found, Printed, sensors_of, way_of
 from rota_studies.sun2019_method.partition import CostedPartition
+from rota_studies.sun2019_stages.stages import Stages
 
 LATE_CELLS = 60_000  # half a metre each on Figure 13's map
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.methods.sun2019.deploy import Deployment
-from rota.planners.patrol.methods.sun2019.frame import Frame
 from rota_studies.sun2019_method.deploy import history_of
 from rota_studies.sun2019_method.partition import CostedPartition
+from rota_studies.sun2019_stages.deploy import Deployment
+from rota_studies.sun2019_stages.frame import Frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

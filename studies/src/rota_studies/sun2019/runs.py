@@ -18,12 +18,6 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.frame import Frame, PartFrame, radius_m
-from rota.planners.patrol.methods.sun2019.graph import proximity_graph
-from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
-from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors
-from rota.planners.patrol.methods.sun2019.tour import find_frame
 from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
 from rota.planners.patrol.verdict import unmet_reason
 from rota_studies.plain import changes
@@ -34,11 +28,17 @@ from rota_studies.sun2019.kept import found_of, printed_of
 from rota_studies.sun2019.maps import figure_8, figure_13, figure_15, with_periods
 from rota_studies.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 from rota_studies.sun2019.results import Cut, Found, Printed, Sensors, Way, cut_of, sensors_of, way_of
-from rota_studies.sun2019_method.algorithms import PaperAlgorithms, TourSettings
+from rota_studies.sun2019_method.algorithms import PaperAlgorithms, TourSettings, algorithms_of
 from rota_studies.sun2019_method.deploy import DeploySettings
 from rota_studies.sun2019_method.mission_settings import Sun2019
 from rota_studies.sun2019_method.partition import PartitionSettings, cut_frame
 from rota_studies.sun2019_method.route_lengths import route_lengths_m
+from rota_studies.sun2019_stages.deploy import Deployment, deploy_sensors
+from rota_studies.sun2019_stages.frame import Frame, PartFrame, radius_m
+from rota_studies.sun2019_stages.graph import proximity_graph
+from rota_studies.sun2019_stages.search import fewest_robots_by_stages, is_good
+from rota_studies.sun2019_stages.stages import Framed, cut_in_segments, framed_sensors
+from rota_studies.sun2019_stages.tour import find_frame
 
 Ints = NDArray[np.int64]
 T = TypeVar("T")
@@ -81,8 +81,8 @@ class Runs(StudyRuns[StudySettings]):
     def __init__(self, settings: StudySettings, **shared: Any) -> None:
         super().__init__(settings, **shared)
         self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
-        self.figure_13 = settings.figure_13.algorithms(settings.effort)
-        self.figure_16 = settings.figure_16.algorithms(settings.effort)
+        self.figure_13 = algorithms_of(settings.figure_13, settings.effort)
+        self.figure_16 = algorithms_of(settings.figure_16, settings.effort)
         self.maps_14 = tuple(with_periods(self.map_13, case.periods_s) for case in paper.TABLE_6)
         self._made: dict[tuple[Any, ...], Any] = {}  # stages that several runs begin with; of them no record is kept
 

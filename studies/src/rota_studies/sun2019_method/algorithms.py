@@ -9,16 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.planner_settings import setting
-from rota.planners.patrol.methods.sun2019.algorithms import (
-    Algorithms,
-    FrameTour,
-    deployments_tried,
-)
 from rota.planners.patrol.planner_settings import Effort
 from rota_studies.sun2019_method.deploy import DeploySettings
 from rota_studies.sun2019_method.genetic import genetic_tour
 from rota_studies.sun2019_method.mission_settings import FrameSettings, Sun2019
 from rota_studies.sun2019_method.partition import PartitionSettings
+from rota_studies.sun2019_stages.algorithms import (
+    Algorithms,
+    FrameTour,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,7 +53,7 @@ def algorithms_of(stages: Sun2019, effort: Effort) -> PaperAlgorithms:
     partition = PartitionSettings()
     if stages.partition == "pso":
         partition = PartitionSettings(method="pso", times="routes", **vars(stages.segments))
-    covers = deployments_tried(stages.deployment, effort)
+    covers = stages.covers(effort)
     return PaperAlgorithms(
         deployments=tuple(DeploySettings(method=method, **vars(stages.sensors)) for method in covers),
         tour=TourSettings(method=stages.tour, **vars(stages.frame)),

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019 import sight_kernels
-from rota.planners.patrol.methods.sun2019.zones import CoverTask
 from rota_studies.sun2019_method import swarm_kernels, update_kernels
 from rota_studies.sun2019_method.mission_settings import SensorSettings
 from rota_studies.sun2019_method.rule_kernels import MovementLaw, Terrain
 from rota_studies.sun2019_method.swarm_kernels import DEPLOYED, At, Particles, Swarms
 from rota_studies.sun2019_method.update_kernels import Iteration, Rules, Scratch, VelocityLaw
+from rota_studies.sun2019_stages import sight_kernels
+from rota_studies.sun2019_stages.zones import CoverTask
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 from rota.compiled.kernel import allocation_free
-from rota.planners.patrol.methods.sun2019.partition_kernels import Ring
 from rota_studies.sun2019_method.pso_kernels import Rules, cost_of, late_s
+from rota_studies.sun2019_stages.partition_kernels import Ring
 
 
 @allocation_free

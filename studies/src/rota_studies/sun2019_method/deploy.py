@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.planner_settings import setting
-from rota.planners.patrol.methods.sun2019.algorithms import Cover, SensorCover
-from rota.planners.patrol.methods.sun2019.cells import cells_seen_from
 from rota.planners.patrol.methods.sun2019.cover import greedy_cover
-from rota.planners.patrol.methods.sun2019.deploy import Deployment
-from rota.planners.patrol.methods.sun2019.zones import CoverTask
 from rota_studies.sun2019_method.ccpso2 import Evolution, evolve
 from rota_studies.sun2019_method.mission_settings import SensorSettings
+from rota_studies.sun2019_stages.algorithms import Cover, SensorCover
+from rota_studies.sun2019_stages.cells import cells_seen_from
+from rota_studies.sun2019_stages.deploy import Deployment
+from rota_studies.sun2019_stages.zones import CoverTask
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

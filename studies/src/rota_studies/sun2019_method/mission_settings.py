@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal
 from rota.model.planner_settings import Settings, setting, settings_of
 from rota.model.refusals import Where, show_value
 from rota.planners.patrol.methods.sun2019 import our_settings as ours
+from rota_studies.sun2019_stages import stage_settings as stages
 
 Grouping = Literal["near", "random"]
 
@@ -30,7 +31,7 @@ def later(default: Any, meaning: str, **takes: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SensorSettings(ours.SensorSettings):
+class SensorSettings(stages.SensorSettings):
     """The deployment of virtual sensors by swarms: Section 4.2, Algorithm 1, Tables 2 and 7.
 
     Table 2 prints ``iterations`` to ``c2``; all else the paper leaves open, and the comments have our reasons. Shares
@@ -108,7 +109,7 @@ class SensorSettings(ours.SensorSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GeneticSettings(ours.PathSettings):
+class GeneticSettings(stages.PathSettings):
     """The genetic algorithm for the frame: Algorithm 2, Table 3.
 
     regroup_every: 500 keeps many families apart long enough to become short; with 1, tours over 96 sensors ended 7 %
@@ -130,7 +131,7 @@ class GeneticSettings(ours.PathSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrameSettings(ours.FrameSettings, GeneticSettings):
+class FrameSettings(stages.FrameSettings, GeneticSettings):
     """The frame, a tour past all sensors: Section 4.3, Algorithm 2, Table 3."""
 
     elsewhere: ClassVar[str] = ""
@@ -190,7 +191,6 @@ class Sun2019(ours.Sun2019):
     """
 
     elsewhere: ClassVar[str] = ""
-    makes: ClassVar[str] = "rota_studies.sun2019_method.algorithms:algorithms_of"
     deployment: Literal["best", "greedy", "exact", "ccpso2"] = setting(  # type: ignore[assignment]
         "best", "of virtual sensors; ccpso2 is the paper's", newer=True
     )
@@ -200,18 +200,28 @@ class Sun2019(ours.Sun2019):
     partition: Literal["exact", "pso"] = setting(  # type: ignore[assignment]
         "exact", "of the tour among the robots; pso is the paper's", newer=True
     )
+    routes: stages.SegmentRoutes = setting(  # type: ignore[assignment]
+        "shortened", "printed, or repaired until all is seen, or shortened too", newer=True
+    )
     sensors: SensorSettings = setting(SensorSettings, "Algorithm 1: Table 2, Eqs. 2 to 11", newer=True, spared=True)
     frame: FrameSettings = setting(FrameSettings, "Algorithm 2: Table 3, Eqs. 12 to 19", newer=True, spared=True)
     segments: SegmentSettings = setting(SegmentSettings, "Algorithm 3: Table 4, Eqs. 20 to 28", newer=True, spared=True)
+
+    @property
+    def search(self) -> str:
+        """Rota's own, but where anything is asked for that it does not do."""
+        if self.deployment != "ccpso2" and self == Sun2019(deployment=self.deployment):
+            return super().search
+        return "rota_studies.sun2019_method.search:search_by_stages"
 
     @classmethod
     def useless_values(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         """Settings of algorithms that are not chosen."""
         told = {item.name: item.default for item in settings_of(cls)} | dict(values)
         for block, stage, algorithm, its in (
-            ("sensors", "deployment", "ccpso2", names_of(SensorSettings) - names_of(ours.SensorSettings)),
-            ("frame", "tour", "genetic", names_of(GeneticSettings) - names_of(ours.PathSettings)),
-            ("frame", "tour", "local_search", names_of(ours.FrameSettings) - names_of(ours.PathSettings)),
+            ("sensors", "deployment", "ccpso2", names_of(SensorSettings) - names_of(stages.SensorSettings)),
+            ("frame", "tour", "genetic", names_of(GeneticSettings) - names_of(stages.PathSettings)),
+            ("frame", "tour", "local_search", names_of(stages.FrameSettings) - names_of(stages.PathSettings)),
             ("segments", "partition", "pso", names_of(SegmentSettings)),
         ):
             chosen, given = told[stage], values.get(block)

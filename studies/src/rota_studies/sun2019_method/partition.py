@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Robot
 from rota.model.planner_settings import setting
-from rota.planners.patrol.methods.sun2019.algorithms import FramePartition
-from rota.planners.patrol.methods.sun2019.frame import Frame, PartFrame, radius_m
-from rota.planners.patrol.methods.sun2019.partition import Partition, exact_partition, ring_of, segments_of
-from rota.planners.patrol.methods.sun2019.partition_kernels import Ring
 from rota_studies.sun2019_method.cheapest_kernels import cheapest_partition
 from rota_studies.sun2019_method.mission_settings import SegmentSettings
 from rota_studies.sun2019_method.pso import rules_of, swarm_partition
 from rota_studies.sun2019_method.pso_kernels import cost_of
 from rota_studies.sun2019_method.route_lengths import route_lengths_m, segment_lengths_m
+from rota_studies.sun2019_stages.algorithms import FramePartition
+from rota_studies.sun2019_stages.frame import Frame, PartFrame, radius_m
+from rota_studies.sun2019_stages.partition import Partition, exact_partition, ring_of, segments_of
+from rota_studies.sun2019_stages.partition_kernels import Ring
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.partition_kernels import Ring
 from rota_studies.sun2019_method.mission_settings import SegmentSettings
 from rota_studies.sun2019_method.pso_kernels import Cuts, Rules, Swarm, end_sensors, fly_all
+from rota_studies.sun2019_stages.partition_kernels import Ring
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, segment_period_s, segment_time_s
+from rota_studies.sun2019_stages.partition_kernels import Ring, segment_period_s, segment_time_s
 
 
 class Rules(NamedTuple):

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame import Frame
-from rota.planners.patrol.methods.sun2019.route import as_line, borders_of, length_m, route_round, stretch_line, widen
+from rota.planners.patrol.methods.sun2019.route import as_line, borders_of, route_round, widen
+from rota_studies.sun2019_stages.frame import Frame
+from rota_studies.sun2019_stages.stretches import length_m, stretch_line
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground, is_place
 from rota_studies.sun2019_method.swarm_kernels import DEPLOYED, At
+from rota_studies.sun2019_stages.sight_kernels import CellTable, Ground, is_place
 
 TRIES = 8  # at a random place, or a random cell, that suits
 

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.methods.sun2019.sight_kernels import cells_seen, is_place
 from rota_studies.sun2019_method.rule_kernels import (
     TRIES,
     Group,
@@ -28,6 +27,7 @@ from rota_studies.sun2019_method.swarm_kernels import (
     best_neighbour,
     copy_sensor,
 )
+from rota_studies.sun2019_stages.sight_kernels import cells_seen, is_place
 
 
 class VelocityLaw(NamedTuple):

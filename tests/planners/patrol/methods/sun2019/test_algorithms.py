@@ -14,7 +14,6 @@ import rota
 from rota.errors import MissionError
 from rota.files.plan_file import plan_from_json, plan_to_json
 from rota.planners.patrol.methods.sun2019 import mission_settings, our_settings
-from rota.planners.patrol.planner_settings import PatrolSettings
 
 YARD = """\
 rota: 1
@@ -27,13 +26,13 @@ patrol: {effort: quick, method: sun2019, sun2019: STAGES}
 """
 OURS = [
     "{}",
-    "{deployment: exact, routes: repaired}",
-    "{sensors: {cell_m: 2, border_cells: centre}, frame: {distance: euclidean, kicks_per_waypoint: 5}}",
+    "{deployment: exact}",
 ]
 THEIRS = [
     "{deployment: ccpso2}",
     "{tour: genetic}",
     "{partition: pso}",
+    "{routes: printed}",
     "{segments: {swarms: 9}}",
     "{sensors: {iterations: 9}}",
     "{frame: {population: 40}}",
@@ -118,12 +117,11 @@ def test_what_the_studies_bring_is_refused_by_its_place_with_what_is_allowed_and
     )
     assert 'patrol.sun2019.tour: "genetic" is not allowed; local_search is needed; ' in told["{tour: genetic}"]
     assert 'patrol.sun2019.partition: "pso" is not allowed; exact is needed; ' in told["{partition: pso}"]
-    known = "unknown key; known here: deployment, tour, partition, routes, sensors, frame; "
+    assert 'patrol.sun2019.routes: "printed" is not allowed; shortened is needed; ' in told["{routes: printed}"]
+    known = "unknown key; known here: deployment, tour, partition, routes; "
     assert f"/yard.yaml:7:52: patrol.sun2019.segments: {known}" in told["{segments: {swarms: 9}}"]
-    known = "unknown key; known here: cell_m, border_cells; "
-    assert f"patrol.sun2019.sensors.iterations: {known}" in told["{sensors: {iterations: 9}}"]
-    known = "unknown key; known here: distance, alpha_m, neighbour_range, a_star, kicks_per_waypoint; "
-    assert f"patrol.sun2019.frame.population: {known}" in told["{frame: {population: 40}}"]
+    assert f"patrol.sun2019.sensors: {known}" in told["{sensors: {iterations: 9}}"]
+    assert f"patrol.sun2019.frame: {known}" in told["{frame: {population: 40}}"]
     assert told["plan partition"].startswith("PlanError: ")
     assert 'patrol.sun2019.partition: "pso" is not allowed; exact is needed; ' in told["plan partition"]
     assert "patrol.sun2019.segments: unknown key; known here: " in told["plan segments"]
@@ -136,10 +134,14 @@ def test_what_the_studies_bring_is_refused_by_its_place_with_what_is_allowed_and
 
 def test_with_the_studies_the_same_names_are_allowed(tmp_path: Path) -> None:
     told = refusals(tmp_path)
-    sensors = mission_settings.SensorSettings(cell_m=2.0)
-    asked = mission_settings.Sun2019(sensors=sensors, frame=mission_settings.FrameSettings(alpha_m=0.0))
-    assert PatrolSettings(method="sun2019", method_settings=asked).method_settings == asked
-    allowed = ("{deployment: ccpso2}", "{tour: genetic}", "{partition: pso}", "plan partition", "Python")
+    allowed = (
+        "{deployment: ccpso2}",
+        "{routes: printed}",
+        "{tour: genetic}",
+        "{partition: pso}",
+        "plan partition",
+        "Python",
+    )
     assert {told[where] for where in allowed} == {"nothing"}
     assert all("rota-studies" not in sentence for sentence in told.values())
 

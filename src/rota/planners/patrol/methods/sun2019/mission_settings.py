@@ -1,8 +1,8 @@
 """The settings that missions have below ``patrol.sun2019``: ours, or those of a distribution with more algorithms.
 
 A distribution offers an entry point of the group ``rota.sun2019``: a subclass of ``our_settings.Sun2019``, whose
-fields are what missions may then say, and whose ``makes`` names the function that makes algorithms of them, subclasses
-of those in ``algorithms``. Without it, what only it knows is refused with a word of who brings it (``elsewhere``).
+fields are what missions may then say, and whose ``search`` names the function that plans by them. Without it, what only
+it knows is refused with a word of who brings it (``elsewhere``).
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ def offered_settings() -> type[ours.Sun2019]:
 
 
 if TYPE_CHECKING:
-    Sun2019, SensorSettings, FrameSettings = ours.Sun2019, ours.SensorSettings, ours.FrameSettings
+    Sun2019 = ours.Sun2019
 else:
     Sun2019 = offered_settings()
-    SensorSettings, FrameSettings = type(Sun2019().sensors), type(Sun2019().frame)

@@ -1,4 +1,4 @@
-"""Our settings of the method sun2019: who does its stages, and what these run with.
+"""Our settings of the method sun2019: by which set cover sensors are deployed.
 
 Sun et al., Sensors 19(9):1994, 2019. Other distributions may bring a larger block, with algorithms of their own: see
 ``mission_settings``.
@@ -8,99 +8,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, ClassVar, Literal
 
-from rota.model.planner_settings import LENGTH, LENGTH_OR_ZERO, Settings, setting
+from rota.model.planner_settings import Settings, setting
 from rota.model.refusals import Where, inner
 
-SegmentRoutes = Literal["shortened", "repaired", "printed"]
-BorderCells = Literal["clipped", "centre"]
-Distance = Literal["graph", "euclidean"]
-
 OTHERS = (
-    "ccpso2, genetic and pso, the paper's own algorithms, and their settings come with the distribution rota-studies,"
+    "the paper's own algorithms, routes as printed, and their settings come with the distribution rota-studies,"
     " which is not installed; `pip install ./studies` in a checkout of Rota installs it"
 )
 
 
 @dataclass(frozen=True, kw_only=True)
-class SensorSettings(Settings):
-    """The deployment of virtual sensors, of radius r_v = 2 r_s: Section 4.2."""
-
-    place: ClassVar[str] = "patrol.sun2019.sensors"
-    elsewhere: ClassVar[str] = OTHERS
-
-    # None: the proportion of the paper's 50 x 50 cells on 120 m to its r_v of 10 m
-    cell_m: float | None = setting(None, "l_c, side of a cell; null: 0.24 r_v", written=LENGTH, above=0)
-    # "clipped" asks for all ground and no other; "centre" is the picture of the paper's Figure 4 (see cells_of)
-    border_cells: BorderCells = setting("clipped", "cells at borders: clipped, or whole where their centre is inside")
-
-
-@dataclass(frozen=True, kw_only=True)
-class AStarWeights(Settings):
-    """The weights tau of Eqs. 16 and 17, which the paper does not give; 1 each is ordinary A*, which is exact.
-
-    tau_3, of obstacles, has nothing left to weigh: no edge leads through one.
-    """
-
-    place: ClassVar[str] = "patrol.sun2019.frame.a_star"
-    before: float = setting(1.0, "tau_1 of Eq. 16: of the cost so far", least=0, most=1e6)
-    step: float = setting(1.0, "tau_2 of Eq. 16: of the step", least=0, most=1e6)
-    rest: float = setting(1.0, "tau_4 of Eq. 17: of the straight way that remains", least=0, most=1e6)
-
-
-@dataclass(frozen=True, kw_only=True)
-class PathSettings(Settings):
-    """How sensors are apart and how the frame leads from one to the next, whoever orders them: Section 4.3.
-
-    alpha_m: the paper has alpha > 0 and no value; 10,000 fits its tour of 61,025.99, whose actual length is 1,027.40 m,
-    as six changes. 0 leaves the term out, to compare. neighbour_range: the paper asks for r_n >= 2 r_v. a_star: other
-    weights change legs' paths, not the order.
-    """
-
-    place: ClassVar[str] = "patrol.sun2019.frame"
-    elsewhere: ClassVar[str] = OTHERS
-    distance: Distance = setting(
-        "graph", "between sensors: graph, Eq. 14, or euclidean, through walls, as in Figure 8a"
-    )
-    alpha_m: float = setting(
-        10_000.0, "alpha of Eqs. 12 and 19: a change of sub-region", written=LENGTH_OR_ZERO, least=0
-    )
-    neighbour_range: float = setting(2.0, "r_n of Section 4.3, in r_v", least=2, most=1e6)
-    a_star: AStarWeights = setting(AStarWeights)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrameSettings(PathSettings):
-    """The frame, a tour past all sensors: Section 4.3, Algorithm 2, Table 3.
-
-    kicks_per_waypoint: 50 comes within 1 % of the best known tours of 1,000 random points.
-    """
-
-    kicks_per_waypoint: int = setting(50, "work of tour local_search", least=0, most=10_000)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Sun2019(Settings):
-    """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots, unless others are named.
+    """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots.
 
-    ``deployment`` of virtual sensors: "greedy" or "exact" set cover; "best" of both, as far as the effort allows.
-    ``tour``, the frame past them. ``partition`` of the frame. ``routes`` round the segments: "repaired" until all is
-    seen, by robots as many as that takes; "shortened" besides where they are too long; "printed": cut to the free space
-    and no more, which mostly leaves ground unseen. ``sensors`` and ``frame``: what the stages run with; a plan file
-    lacks those that are at their defaults. ``makes``: where the function is that makes algorithms of them.
+    ``deployment`` of virtual sensors: "greedy" or "exact" set cover; "best" of both, as far as the effort allows. The
+    frame past them, ``tour``, is found by a local search, its ``partition`` exactly, and ``routes`` round the segments
+    are led to what they leave unseen and shortened: what other distributions do instead has these names.
     """
 
     place: ClassVar[str] = "patrol.sun2019"
-    makes: ClassVar[str] = "rota.planners.patrol.methods.sun2019.algorithms:our_algorithms"
     elsewhere: ClassVar[str] = OTHERS
     deployment: Literal["best", "greedy", "exact"] = setting("best", "of virtual sensors", newer=True, elsewhere=OTHERS)
     tour: Literal["local_search"] = setting("local_search", "past all sensors", newer=True, elsewhere=OTHERS)
     partition: Literal["exact"] = setting("exact", "of the tour among the robots", newer=True, elsewhere=OTHERS)
-    routes: SegmentRoutes = setting("shortened", "printed, or repaired until all is seen, or shortened too", newer=True)
-    sensors: SensorSettings = setting(SensorSettings, "Section 4.2", newer=True, spared=True)
-    frame: FrameSettings = setting(FrameSettings, "Section 4.3, Eqs. 12 to 19", newer=True, spared=True)
+    routes: Literal["shortened"] = setting("shortened", "round the segments", newer=True, elsewhere=OTHERS)
 
     @classmethod
     def refusals(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -109,7 +42,13 @@ class Sun2019(Settings):
             message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
             yield ("fleet", "sensor", "shape"), message
 
-    def algorithms(self, effort: str) -> Any:
-        """Who does the stages at an effort, an ``Algorithms``; loaded only when a plan is made."""
-        module, _, makes = self.makes.partition(":")
-        return getattr(import_module(module), makes)(self, effort)
+    @property
+    def search(self) -> str:
+        """Where the search by these stages is: a module, and a function of the context in it."""
+        return "rota.planners.patrol.methods.sun2019.search:search_by_our_stages"
+
+    def covers(self, effort: str) -> tuple[Any, ...]:
+        """The set covers to be tried, greedy ones first: they stand in rows, which makes short frames."""
+        if self.deployment != "best":
+            return (self.deployment,)
+        return ("greedy",) if effort == "quick" else ("greedy", "exact")

@@ -1,169 +1,78 @@
-"""The frame cut into segments, each with a closed route for one robot (Sun et al. 2019, Section 4.4, Eqs. 20-28).
+"""The third stage: a frame cut into segments, each with a closed route for one robot (Section 4.4, Eqs. 20 to 26).
 
-A robot goes round its segment at the distance r_s. Eq. 26 has the length of that closed route, over the speed. Here it
-is estimated: twice the segment and once round its ends, 2 x length + 2 pi r_s, which is the length of the widened
-segment's border but for its bends, where the inner side saves a little, and for obstacles and lanes that merge (7 %
-more than the routes in all on Figure 13's map).
+A robot goes round its segment at the distance r_s: twice the segment and once round its ends, 2 x length + 2 pi r_s.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.partition_kernels import (
-    Layers,
-    Ring,
-    best_partition,
-    fewest_segments,
-    longest_counts,
-    segment_period_s,
-    segment_time_s,
-)
+from rota.planners.patrol.methods.sun2019.sensors import Frame
 from rota.planners.patrol.tolerances import BISECTIONS, TIE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Partition:
-    """Segments of a frame, m of them in its order; together they hold each waypoint once.
+class Partition(NamedTuple):
+    """Segments of a frame in its order: the sensors (k,) of each, and the largest share of its period any takes."""
 
-    first, last: (m,) places in the frame (0..n-1) of each segment's first and last waypoint; a segment may go on from
-    place n - 1 to 0. times_s: (m,) Eq. 26. periods_s: (m,) Eq. 23.
-    """
-
-    first: Ints
-    last: Ints
-    times_s: Floats
-    periods_s: Floats
-
-    @property
-    def kept(self) -> bool:
-        """Whether all routes are shorter than their periods (Eq. 25)."""
-        return bool((self.times_s < self.periods_s).all())
-
-    def places(self, segment: int, n: int) -> Ints:
-        """The places in a frame of n waypoints that one segment holds, in its order."""
-        count = (self.last[segment] - self.first[segment]) % n + 1
-        return np.asarray((self.first[segment] + np.arange(count)) % n)
+    segments: list[Ints]
+    share: float
 
 
-def partition_frame(
-    legs_m: Floats,
-    waypoint_periods_s: Floats,
-    *,
-    speed_m_s: float,
-    sensor_radius_m: float,
-    segments: int | None = None,
-) -> Partition:
-    """Cut a closed frame into segments whose routes keep their periods, as few as possible (Eqs. 24 and 25).
+class Cutting:
+    """The ways to cut a frame for robots of a speed and a range."""
 
-    legs_m: (n,) metres along the path from each waypoint to the next, from the last to the first; n >= 1.
-    waypoint_periods_s: (n,) the period of the sub-region that each waypoint was deployed in; a segment's period is the
-    smallest among its waypoints. speed_m_s: V. sensor_radius_m: r_s. segments: how many; None: as few as are needed.
+    def __init__(self, frame: Frame, periods_s: tuple[float, ...], speed_m_s: float, radius_m: float) -> None:
+        n = len(frame.legs_m)
+        self._n = n
+        self._along_m = np.concatenate([[0.0], np.cumsum(np.tile(frame.legs_m, 2))])
+        self._period_s: list[float] = np.tile(np.array(periods_s)[frame.period_class], 2).tolist()
+        self._speed_m_s, self._around_m = speed_m_s, 2 * math.pi * radius_m
 
-    Of these partitions it takes those whose largest time / period is the smallest, also where the segments asked for
-    are too few to keep all periods, and of those the one that is late by the least, then the one with the smallest sum
-    of squares. A waypoint whose route round it alone takes too long gets a segment of its own; ``kept`` tells whether
-    all periods are kept.
+    def share(self, first: int, count: int) -> float:
+        """Of the shortest period of so many sensors from ``first`` on, what one robot's route round them takes."""
+        segment_m = self._along_m[first + count - 1] - self._along_m[first]
+        time_s = (2 * float(segment_m) + self._around_m) / self._speed_m_s
+        return time_s / float(min(self._period_s[first : first + count]))
 
-    Raises ValueError when an argument is not finite or not greater than 0 (a leg may be 0), and for more segments than
-    waypoints.
-    """
-    ring = ring_of(legs_m, waypoint_periods_s, speed_m_s, sensor_radius_m)
-    n = len(legs_m)
-    if segments is not None and not 1 <= segments <= n:
-        raise ValueError(f"segments: {segments!r} is not allowed; must be from 1 to the number of waypoints, {n}")
-    return segments_of(exact_partition(ring, segments), ring)
+    def best(self, segments: int | None = None) -> Partition:
+        """So many segments at most, or as few as keep their periods, with the smallest largest share of a period."""
+        n = self._n
+        alone = max(self.share(k, 1) for k in range(n))
+        if segments is None:
+            segments = len(self._cut(max(1.0, alone)))
+        whole = max(self.share(k, n) for k in range(n))
+        low, high = alone, max(whole, alone) * (1 + TIE)
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            low, high = (low, middle) if len(self._cut(middle)) <= segments else (middle, high)
+        firsts = self._cut(high)
+        counts = [(b - a - 1) % n + 1 for a, b in zip(firsts, [*firsts[1:], firsts[0]], strict=True)]
+        largest = max(self.share(a, count) for a, count in zip(firsts, counts, strict=True))
+        return Partition([(a + np.arange(count)) % n for a, count in zip(firsts, counts, strict=True)], largest)
 
-
-def exact_partition(ring: Ring, segments: int | None) -> Ints:
-    """The first waypoints (m,) of the best partition's segments; see ``partition_frame``."""
-    n = len(ring.level) - 1
-    longest = np.empty(n, dtype=np.int64)
-    longest_counts(1.0, ring, longest)
-    fewest = int(fewest_segments(longest))
-    alone = max(segment_time_s(k, 1, ring) / segment_period_s(k, 1, ring) for k in range(n))
-    if segments is None or (segments >= fewest and alone < 1):
-        return _most_even(ring, segments or fewest, least=min(1.0, float(alone)), most=1.0)
-    whole_s = max(segment_time_s(k, n, ring) for k in range(n))
-    most = float(whole_s / ring.period_s[0].min()) * (1 + TIE)
-    return _most_even(ring, segments, least=float(alone), most=most)
-
-
-def segments_of(first: Ints, ring: Ring) -> Partition:
-    """The partition whose segments have these first waypoints (m,)."""
-    first, n = np.sort(first), len(ring.level) - 1
-    counts = (np.roll(first, -1) - first - 1) % n + 1
-    pairs = list(zip(first.tolist(), counts.tolist(), strict=True))
-    return Partition(
-        first=first,
-        last=(np.roll(first, -1) - 1) % n,
-        times_s=np.array([segment_time_s(at, count, ring) for at, count in pairs]),
-        periods_s=np.array([segment_period_s(at, count, ring) for at, count in pairs]),
-    )
-
-
-def _most_even(ring: Ring, segments: int, *, least: float, most: float) -> Ints:
-    """The first waypoints (m,) of the partition into ``segments`` segments whose largest share of a period is smallest.
-
-    That share is at least ``least``. With shares up to ``most``, so many segments are surely enough; 1 where periods
-    can be kept.
-    """
-    longest = np.empty(len(ring.level) - 1, dtype=np.int64)
-    low, high = least, most
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        longest_counts(middle, ring, longest)
-        low, high = (low, middle) if fewest_segments(longest) <= segments else (middle, high)
-    # shares that differ by rounding are equal
-    longest_counts(min(most, high * (1 + TIE)), ring, longest)
-    return _best(ring, longest, segments)
-
-
-def route_length_m(segment_m: float, sensor_radius_m: float) -> float:
-    """Length of the closed route round a segment of that length: 2 x segment + 2 pi r_s (Figure 9a)."""
-    return 2 * segment_m + 2 * math.pi * sensor_radius_m
-
-
-def ring_of(legs_m: Floats, waypoint_periods_s: Floats, speed_m_s: float, sensor_radius_m: float) -> Ring:
-    """The frame as the kernels hold it; ValueError names what is wrong with an argument of ``partition_frame``."""
-    legs, periods = np.asarray(legs_m, dtype=np.float64), np.asarray(waypoint_periods_s, dtype=np.float64)
-    if legs.ndim != 1 or not len(legs) or periods.shape != legs.shape:
-        raise ValueError(
-            f"legs_m, waypoint_periods_s: shapes {legs.shape} and {periods.shape} are not allowed; "
-            "must be (n,) both, n at least 1"
-        )
-    for name, values, least in (("legs_m", legs, 0.0), ("waypoint_periods_s", periods, math.ulp(0.0))):
-        for k in np.flatnonzero(~(np.isfinite(values) & (values >= least))):
-            allowed = "0 or more" if least == 0 else "greater than 0"
-            raise ValueError(f"{name}[{k}]: {values[k]!r} is not allowed; must be a finite number, {allowed}")
-    for name, value in (("speed_m_s", speed_m_s), ("sensor_radius_m", sensor_radius_m)):
-        if not (math.isfinite(value) and value > 0):
-            raise ValueError(f"{name}: {value!r} is not allowed; must be a finite number greater than 0")
-    n = len(legs)
-    along = np.concatenate([[0.0], np.cumsum(np.tile(legs, 2))[: 2 * n - 1]])
-    smallest = [np.tile(periods, 2)]
-    while 2 ** len(smallest) <= n:
-        reach = 2 ** (len(smallest) - 1)
-        ahead = np.append(smallest[-1][reach:], np.full(reach, np.inf))
-        smallest.append(np.minimum(smallest[-1], ahead))
-    level = np.array([0] + [k.bit_length() - 1 for k in range(1, n + 1)], dtype=np.int64)
-    around_m = route_length_m(0.0, sensor_radius_m)
-    return Ring(along, np.array(smallest), level, float(speed_m_s), around_m, 0, np.empty((0, 0)))
-
-
-def _best(ring: Ring, longest: Ints, segments: int) -> Ints:
-    """The first waypoints (m,) of the best partition whose segments are no longer than longest (n,) allows."""
-    n = len(longest)
-    late, uneven = np.empty((2, segments + 1, n + 1))
-    chosen = np.zeros((segments + 1, n + 1), dtype=np.int64)
-    layers = Layers(late, uneven, chosen, least_at=np.empty(segments + 1, dtype=np.int64))
-    first = np.empty(segments, dtype=np.int64)
-    best_partition(segments, longest, ring, layers, first)
-    return np.sort(first)
+    def _cut(self, share: float) -> list[int]:
+        """The first sensors of the fewest segments that each take so much of their period at most, or are alone."""
+        n, longest, count = self._n, list[int](), 1
+        for first in range(n):  # a segment that ends no sooner than the one before it
+            count = max(1, count - 1)
+            while count < n and self.share(first, count + 1) <= share:
+                count += 1
+            longest.append(count)
+        if longest[0] == n:
+            return [0]
+        best: list[int] | None = None
+        for begin in range(longest[0] + 1):  # some segment begins there
+            firsts, at = list[int](), begin
+            while at < begin + n:
+                firsts.append(at % n)
+                at += longest[at % n]
+            best = firsts if best is None or len(firsts) < len(best) else best
+        assert best is not None
+        return best

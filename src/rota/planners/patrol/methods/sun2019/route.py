@@ -19,30 +19,10 @@ from shapely.geometry.base import BaseGeometry
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame import Frame
-from rota.planners.patrol.methods.sun2019.partition import Partition
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-def segment_line(frame: Frame, partition: Partition, segment: int, *, joining_legs: bool) -> Floats:
-    """The polyline (k, 2) of one segment of the frame, from its first waypoint to its last; one point for one waypoint.
-
-    joining_legs: begin at the last waypoint of the segment before, as Eq. 22 has it.
-    """
-    places = partition.places(segment, len(frame.order))
-    return stretch_line(frame, places, joining_legs=joining_legs)
-
-
-def stretch_line(frame: Frame, places: Ints, *, joining_legs: bool) -> Floats:
-    """The polyline (k, 2) past the waypoints at these places (m,) of the frame, which follow each other."""
-    held = places.tolist()
-    if joining_legs:
-        held = [(held[0] - 1) % len(frame.order), *held]
-    pieces = [frame.path_m[frame.leg_start[k] : frame.leg_start[k + 1]] for k in held[:-1]]
-    return np.vstack([*pieces, frame.path_m[frame.leg_start[held[-1]]]])
 
 
 def route_round(line_m: Floats, paths: ShortestPaths, *, radius_m: float) -> Floats:
@@ -113,8 +93,3 @@ def joined_rings(one_m: Floats, other_m: Floats, paths: ShortestPaths) -> Floats
     i, j = (int(k) for k in np.unravel_index(int(np.argmin(apart)), apart.shape))
     way = np.vstack([one_m[: i + 1], np.roll(other_m, -j, axis=0), other_m[j], one_m[i:], one_m[:1]])
     return paths.paths_along(way)[:-1]
-
-
-def length_m(route_m: Floats) -> float:
-    """Length of a closed route (n, 2)."""
-    return float(np.hypot(*(np.roll(route_m, -1, axis=0) - route_m).T).sum())

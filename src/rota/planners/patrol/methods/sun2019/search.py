@@ -1,4 +1,4 @@
-"""The fewest robots of the method: deployments and frames in turn, cut for fewer and fewer robots, repaired, judged.
+"""The fewest robots of the method: covers in turn, frames cut for fewer and fewer robots, routes repaired and judged.
 
 The paper stops at routes that Eq. 26 says are short enough. Here the check judges them: routes are led to what they
 leave unseen (``repair.repair_until_feasible``), and where this makes them too long, the frame is cut for more robots.
@@ -6,157 +6,153 @@ leave unseen (``repair.repair_until_feasible``), and where this makes them too l
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from importlib import import_module
+from typing import NamedTuple, cast
 
 import numpy as np
 
-from rota.errors import NoPlanFound
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
-from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.methods.sun2019.algorithms import Algorithms
+from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
-from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measure
+from rota.planners.patrol.methods.sun2019.partition import Cutting, Partition
+from rota.planners.patrol.methods.sun2019.route import route_round
+from rota.planners.patrol.methods.sun2019.sensors import Frame, frames_past_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible
-from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.tours.tour import Tour
+
+MOST_LOAD = 1.4  # lanes meet borders and lie farther apart than sensors: mean loads up to 1.28 came to pass
 
 
-def fewest_robots_by_stages(context: Context, algorithms: Algorithms | None = None) -> Repaired:
+class Cuts(NamedTuple):
+    """The frames, and how each is cut."""
+
+    frames: list[Frame]
+    partitions: list[Partition]
+
+    @property
+    def robots(self) -> int:
+        """One for each segment."""
+        return sum(len(partition.segments) for partition in self.partitions)
+
+    @property
+    def share(self) -> float:
+        """The largest share of its period that a route takes by Eq. 26."""
+        return max(partition.share for partition in self.partitions)
+
+
+def fewest_robots_by_stages(context: Context) -> Repaired:
+    """The best plan of the stages that the mission asks for: by ours, or by those that another distribution brings."""
+    module, _, search = settings_of(context).search.partition(":")
+    return cast(Method, getattr(import_module(module), search))(context)
+
+
+def settings_of(context: Context) -> Sun2019:
+    """The method's settings in the mission."""
+    planning = PatrolSettings.of(context.problem.mission).method_settings
+    assert isinstance(planning, Sun2019)
+    return planning
+
+
+def search_by_our_stages(context: Context) -> Repaired:
     """The best repaired plan of the method; it is met unless all repair failed.
 
-    algorithms: None for those that the mission asks for. Each frame is cut for as many robots as Eq. 26 asks for, then
-    for fewer and fewer while the check passes. When it never passes, the first frame is cut for more robots, which
-    leaves every route a margin. With routes as printed there is one plan, as it comes. Raises NoPlanFound for square
-    sensors, and when none of what is asked can be seen.
+    Each frame is cut for as many robots as Eq. 26 asks for, then for fewer and fewer while the check passes. When it
+    never passes, the first one is cut for more robots, which leaves every route a margin. Raises NoPlanFound for square
+    sensors.
     """
-    sensor = context.problem.robot.sensor
-    if not isinstance(sensor, DiscSensor):
-        raise NoPlanFound(
-            f"fleet.sensor: a square of side {sensor.side_m:.6g} m cannot be used with patrol.method sun2019, which is"
-            " made for discs; give shape: disc and a radius_m, or another method"
-        )
-    problem, planning = context.problem, PatrolSettings.of(context.problem.mission)
-    if algorithms is None:
-        assert isinstance(planning.method_settings, Sun2019)
-        algorithms = planning.method_settings.algorithms(planning.effort)
+    covers = settings_of(context).covers(PatrolSettings.of(context.problem.mission).effort)
     best: Repaired | None = None
-    first: Framed | None = None
-    # covers have no chance in them, but the tours past their places have
-    turns = range(context.settings.multistart.seeds)
-    ways = [(turn, deploy) for turn in turns for deploy in algorithms.deployments]
-    for k, (turn, deploy) in enumerate(ways):
-        turn_context = replace(context, progress=progress_of_turn(context.progress, k, len(ways)))
-        turn_context.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
-        seed = context.seed + 1000 * turn
-        framed = framed_sensors(problem.mission, problem.paths, deploy, algorithms, seed=seed)
-        first = first or framed
-        if algorithms.routes == "printed":
-            return plan_as_printed(context, framed, algorithms)
-        best = reduce_team(turn_context, framed, algorithms, best)
-        if context.should_stop() or (is_good(best) and robots_of(best) <= context.enough_robots):
+    first: list[Frame] | None = None
+    for k, cover in enumerate(covers):
+        context.progress(0.9 * k / len(covers), f"deploying sensors ({cover}) and finding a frame past them")
+        frames = frames_past_sensors(context.problem, cover)
+        first = first or frames
+        best = reduce_team(context, frames, best)
+        if context.should_stop() or (is_good(best) and best.robots <= context.enough_robots):
             break
     assert best is not None
     assert first is not None
-    return best if is_good(best) or context.should_stop() else search_upwards(context, first, algorithms, best)
+    return best if is_good(best) or context.should_stop() else search_upwards(context, first, best)
 
 
-def progress_of_turn(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
-    """Progress within one of ``turns`` turns, of which the last ends at 0.9."""
-    return lambda share, what: progress(0.9 * (turn + share) / turns, what)
-
-
-def reduce_team(context: Context, framed: Framed, algorithms: Algorithms, best: Repaired | None) -> Repaired:
-    """The plan with the fewest robots that this frame gives, or the best so far if that has no more.
-
-    Routes are shorter than Eq. 26 has them where lanes meet borders, and lanes may lie farther apart than sensors do
-    (measured on the paper's cases, shortened: loads up to 1.28 came to pass, nothing from 1.30 to 1.66).
-    """
-    stages = cut(context, framed, algorithms, None)
-    if best is not None and is_good(best):
-        stages = cut(context, framed, algorithms, min(len(stages.segments), robots_of(best) - 1))
-    robots = len(stages.segments)
-    while best is None or (stages.load <= 1.4 and not context.should_stop()):
-        context.progress(0.5, f"leading {robots} robots round their segments")
-        plan = repaired_routes(context, stages, algorithms)
+def reduce_team(context: Context, frames: list[Frame], best: Repaired | None) -> Repaired:
+    """The plan with the fewest robots that these frames give, or the best so far if that has no more."""
+    cuts = cut(context, frames, None if best is None or not is_good(best) else best.robots - 1)
+    while best is None or (cuts.share <= MOST_LOAD and not context.should_stop()):
+        plan = repaired_routes(context, cuts)
         if not is_better(plan, best):
             return best if best is not None else plan
         best = plan
-        least = max(len(framed.parts), context.enough_robots)
-        if not is_good(plan) or min(robots, robots_of(plan)) <= least:
+        robots = min(cuts.robots, plan.robots)
+        if not is_good(plan) or robots <= max(len(frames), context.enough_robots):
             break
-        robots = min(robots, robots_of(plan)) - 1
-        stages = cut(context, framed, algorithms, robots)
+        cuts = cut(context, frames, robots - 1)
     return best
 
 
-def search_upwards(context: Context, framed: Framed, algorithms: Algorithms, best: Repaired) -> Repaired:
+def search_upwards(context: Context, frames: list[Frame], best: Repaired) -> Repaired:
     """A plan of up to eight robots more than the partition asks for; at last, of as many as repair asks for."""
-    first = len(cut(context, framed, algorithms, None).segments)
-    for robots in range(first + 1, first + 9):
+    first = cut(context, frames, None)
+    for robots in range(first.robots + 1, first.robots + 9):
         if context.should_stop():
             return best
-        context.progress(0.9, f"leading {robots} robots round their segments")
-        plan = repaired_routes(context, cut(context, framed, algorithms, robots), algorithms)
+        plan = repaired_routes(context, cut(context, frames, robots))
         best = plan if is_better(plan, best) else best
         if is_good(best):
             return best
     context.progress(0.9, "finishing with the robots that the repair asks for")
-    tours = tours_of(context.problem, cut(context, framed, algorithms, None))
-    last = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=3 * context.settings.repair.rounds)
+    rounds = 3 * context.settings.repair.rounds
+    last = repair_until_feasible(context, routes(context, first), no_points(), may_add=True, rounds=rounds)
     return last if is_better(last, best) else best
 
 
-def cut(context: Context, framed: Framed, algorithms: Algorithms, robots: int | None) -> Stages:
-    """The frames cut for ``robots`` robots, or for as many as Eq. 26 asks for."""
-    return cut_in_segments(framed, context.problem.robot, context.problem.paths, algorithms, robots=robots)
+def cut(context: Context, frames: list[Frame], robots: int | None) -> Cuts:
+    """The frames cut for so many robots in all, one in each at least; None: as many as Eq. 26 asks for.
 
-
-def repaired_routes(context: Context, stages: Stages, algorithms: Algorithms) -> Repaired:
-    """The routes repaired until the check passes or the rounds are over.
-
-    Routes that become too long by that are shortened, or the frame is cut anew by their lengths, up to four times.
-    Where that does not help, they get a further robot.
+    Where fewer do, robots leave the frame that then still has the smallest share, and where more do they go to the
+    largest.
     """
-    tours, rounds = tours_of(context.problem, stages), context.settings.repair.rounds
-    if algorithms.routes == "shortened":
-        return repair_until_feasible(context, tours, no_points(), may_add=False, rounds=rounds)
-    robots = len(stages.segments)
-    best = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=rounds)
-    plan = best
-    for _ in range(4):
-        if (best.met and robots_of(best) <= robots) or context.should_stop() or len(plan.tours) < robots:
-            break
-        driven_m = np.array([tour_length_m(tour) for tour in plan.tours[:robots]])
-        stages = cut(context, measure(stages, driven_m, context.problem.robot), algorithms, robots)
-        plan = repair_until_feasible(
-            context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds
-        )
-        best = plan if is_better(plan, best) else best
-    return best
+    problem = context.problem
+    sensor = problem.robot.sensor
+    assert isinstance(sensor, DiscSensor)
+    ways = [Cutting(frame, problem.periods_s, problem.robot.ground_speed_m_s, sensor.radius_m) for frame in frames]
+    found = [way.best() for way in ways]
+    while robots is not None and sum(len(one.segments) for one in found) > max(robots, len(frames)):
+        fewer = {k: ways[k].best(len(one.segments) - 1) for k, one in enumerate(found) if len(one.segments) > 1}
+        k = min(fewer, key=lambda k: fewer[k].share)
+        found[k] = fewer[k]
+    for _ in range(0 if robots is None else robots - sum(len(one.segments) for one in found)):
+        k = max(range(len(found)), key=lambda k: found[k].share)
+        found[k] = ways[k].best(min(len(found[k].segments) + 1, len(frames[k].legs_m)))
+    return Cuts(frames, found)
 
 
-def plan_as_printed(context: Context, framed: Framed, algorithms: Algorithms) -> Repaired:
-    """The plan of the routes as they are, judged."""
-    tours = tours_of(context.problem, cut(context, framed, algorithms, None))
-    plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
-    return Repaired(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
+def repaired_routes(context: Context, cuts: Cuts) -> Repaired:
+    """The routes round the segments, repaired and shortened until the check passes or the rounds are over."""
+    context.progress(0.5, f"leading {cuts.robots} robots round their segments")
+    rounds = context.settings.repair.rounds
+    return repair_until_feasible(context, routes(context, cuts), no_points(), may_add=False, rounds=rounds)
 
 
-def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
-    """The segments' routes as tours of a robot each, which serve what has the segment's period or a longer one."""
-    period_classes = [
-        int(np.argmin(np.abs(np.array(problem.periods_s) - segment.period_s))) for segment in stages.segments
-    ]
-    return [
-        Tour(
-            vertices_m=segment.route_m, period_class=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
-            component=segment.part,
-        )
-        for k, segment in zip(period_classes, stages.segments, strict=True)
-    ]  # fmt: skip
+def routes(context: Context, cuts: Cuts) -> list[Tour]:
+    """The segments' routes as tours of a robot each, which serve what has the shortest period of their sensors."""
+    problem, tours = context.problem, list[Tour]()
+    sensor = problem.robot.sensor
+    assert isinstance(sensor, DiscSensor)
+    for frame, partition in zip(cuts.frames, cuts.partitions, strict=True):
+        for segment in partition.segments:
+            line_m = problem.paths.paths_along(frame.places_m[segment])
+            k = int(np.min(frame.period_class[segment]))
+            tours.append(
+                Tour(
+                    vertices_m=route_round(line_m, problem.paths, radius_m=sensor.radius_m), period_class=k,
+                    period_s=problem.periods_s[k], robots=1, robot=problem.robot, component=frame.part,
+                )
+            )  # fmt: skip
+    return tours
 
 
 def is_good(repaired: Repaired) -> bool:
@@ -168,9 +164,4 @@ def is_better(plan: Repaired, best: Repaired | None) -> bool:
     """Whether a plan is better than the best so far: one that passes, then fewer robots."""
     if best is None or not is_good(plan):
         return best is None
-    return not is_good(best) or robots_of(plan) < robots_of(best)
-
-
-def robots_of(repaired: Repaired) -> int:
-    """The robots of all its tours."""
-    return sum(tour.robots for tour in repaired.tours)
+    return not is_good(best) or plan.robots < best.robots

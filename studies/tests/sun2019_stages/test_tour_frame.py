@@ -16,9 +16,9 @@ from rota.errors import MissionError, NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.algorithms import FrameTour
-from rota.planners.patrol.methods.sun2019.frame import Frame
-from rota.planners.patrol.methods.sun2019.tour import canonical_order, find_frame
+from rota_studies.sun2019_stages.algorithms import FrameTour
+from rota_studies.sun2019_stages.frame import Frame
+from rota_studies.sun2019_stages.tour import canonical_order, find_frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

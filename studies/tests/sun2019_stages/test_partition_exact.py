@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, seed, settings, strategies as st
 
-from rota.planners.patrol.methods.sun2019.partition import partition_frame
+from rota_studies.sun2019_stages.partition import partition_frame
 
 SPEED_M_S, RADIUS_M = 2.0, 1.0
 

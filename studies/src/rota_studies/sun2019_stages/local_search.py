@@ -12,9 +12,9 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.local_search_kernels import DEEPEST, Count, Search, improve, kicks
 from rota.planners.patrol.tours.order_kernels import nearest_neighbour_tour
 from rota.planners.patrol.tours.visiting_order import nearest_places
+from rota_studies.sun2019_stages.local_search_kernels import DEEPEST, Count, Search, improve, kicks
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
-from rota.planners.patrol.methods.sun2019.algorithms import Cover, SensorCover
-from rota.planners.patrol.methods.sun2019.cells import Cells, cells_seen_from
-from rota.planners.patrol.methods.sun2019.zones import ZoneTasks, virtual_radius_m, zones_to_deploy
+from rota_studies.sun2019_stages.algorithms import Cover, SensorCover
+from rota_studies.sun2019_stages.cells import Cells, cells_seen_from
+from rota_studies.sun2019_stages.zones import ZoneTasks, virtual_radius_m, zones_to_deploy
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

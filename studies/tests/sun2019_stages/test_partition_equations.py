@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from rota.planners.patrol.methods.sun2019.partition import partition_frame, ring_of, route_length_m
-from rota.planners.patrol.methods.sun2019.partition_kernels import segment_period_s, segment_time_s
+from rota_studies.sun2019_stages.partition import partition_frame, ring_of, route_length_m
+from rota_studies.sun2019_stages.partition_kernels import segment_period_s, segment_time_s
 
 LEGS_M = np.array([1.0, 2, 3, 4])
 

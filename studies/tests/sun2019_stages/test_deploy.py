@@ -15,10 +15,10 @@ from rota.errors import MissionError, NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
-from rota.planners.patrol.methods.sun2019.algorithms import SensorCover
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
+from rota_studies.sun2019_stages.algorithms import SensorCover
+from rota_studies.sun2019_stages.deploy import Deployment, deploy_sensors
 
-EXAMPLES = Path(__file__).parents[5] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 GREEDY, EXACT = SensorCover(method="greedy"), SensorCover(method="exact")
 
 

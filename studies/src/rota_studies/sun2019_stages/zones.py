@@ -16,7 +16,8 @@ from rota.geometry.line_of_sight import points_inside
 from rota.model.mission import DiscSensor, Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.methods.sun2019.cells import (
+from rota.planners.patrol.tolerances import SLIVER_M2
+from rota_studies.sun2019_stages.cells import (
     Cells,
     Lattice,
     cells_of,
@@ -24,9 +25,8 @@ from rota.planners.patrol.methods.sun2019.cells import (
     ground_for,
     lattice_over,
 )
-from rota.planners.patrol.methods.sun2019.our_settings import BorderCells
-from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
-from rota.planners.patrol.tolerances import SLIVER_M2
+from rota_studies.sun2019_stages.sight_kernels import Ground
+from rota_studies.sun2019_stages.stage_settings import BorderCells
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

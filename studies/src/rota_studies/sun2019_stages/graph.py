@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 from rota.errors import NoPlanFound, PlanError
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.graph_kernels import Frontier, Steps, search, search_from_each
-from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
+from rota_studies.sun2019_stages.graph_kernels import Frontier, Steps, search, search_from_each
+from rota_studies.sun2019_stages.stage_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,15 +13,15 @@ from shapely import MultiPolygon, box
 
 from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.graph import (
+from rota_studies.sun2019_stages.graph import (
     ProximityGraph,
     changes_zone,
     graph_distances,
     proximity_graph,
     shortest_sequence,
 )
-from rota.planners.patrol.methods.sun2019.graph_kernels import search
-from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
+from rota_studies.sun2019_stages.graph_kernels import search
+from rota_studies.sun2019_stages.stage_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 OPEN = ShortestPaths(MultiPolygon([box(0, 0, 100, 100)]))

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Mission, Robot
 from rota.planners.patrol.ground.problem import common_robot
-from rota.planners.patrol.methods.sun2019.algorithms import Algorithms, FramePartition, SensorCover
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.methods.sun2019.frame import PartFrame, radius_m
-from rota.planners.patrol.methods.sun2019.partition import Partition, route_length_m
-from rota.planners.patrol.methods.sun2019.route import route_round, segment_line
-from rota.planners.patrol.methods.sun2019.tour import find_frame
+from rota.planners.patrol.methods.sun2019.route import route_round
+from rota_studies.sun2019_stages.algorithms import Algorithms, FramePartition, SensorCover
+from rota_studies.sun2019_stages.deploy import Deployment, deploy_sensors
+from rota_studies.sun2019_stages.frame import PartFrame, radius_m
+from rota_studies.sun2019_stages.partition import Partition, route_length_m
+from rota_studies.sun2019_stages.stretches import segment_line
+from rota_studies.sun2019_stages.tour import find_frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

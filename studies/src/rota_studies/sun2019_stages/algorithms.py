@@ -8,7 +8,7 @@ themselves; others are subclasses of these, made of what a mission says by the b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +17,15 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Robot
 from rota.model.planner_settings import setting
 from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover
-from rota.planners.patrol.methods.sun2019.frame import Frame, PartFrame, radius_m
-from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour
-from rota.planners.patrol.methods.sun2019.our_settings import (
+from rota_studies.sun2019_stages.frame import Frame, PartFrame, radius_m
+from rota_studies.sun2019_stages.local_search import locally_shortest_tour
+from rota_studies.sun2019_stages.partition import Partition, partition_frame
+from rota_studies.sun2019_stages.stage_settings import (
     FrameSettings,
     SegmentRoutes,
     SensorSettings,
-    Sun2019,
 )
-from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
-from rota.planners.patrol.methods.sun2019.zones import CoverTask
-from rota.planners.patrol.planner_settings import Effort
+from rota_studies.sun2019_stages.zones import CoverTask
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -101,24 +99,3 @@ class Algorithms:
     tour: FrameTour = FrameTour()
     partition: FramePartition = FramePartition()
     routes: SegmentRoutes = "shortened"
-
-
-def our_algorithms(stages: Sun2019, effort: Effort) -> Algorithms:
-    """Ours, as a mission asks for them."""
-    covers = deployments_tried(stages.deployment, effort)
-    return Algorithms(
-        deployments=tuple(SensorCover(method=method, **vars(stages.sensors)) for method in covers),
-        tour=FrameTour(**vars(stages.frame)),
-        routes=stages.routes,
-    )
-
-
-def deployments_tried(deployment: str, effort: Effort) -> tuple[Any, ...]:
-    """The algorithms that a mission's ``deployment`` stands for.
-
-    Greedy covers come first: they stand in rows, which makes short frames (measured on Figure 13: 110 sensors and a
-    frame of 1,099 m; the exact cover 88 and 1,114 m).
-    """
-    if deployment != "best":
-        return (deployment,)
-    return ("greedy",) if effort == "quick" else ("greedy", "exact")

@@ -15,10 +15,10 @@ from rota.geometry import kernels as geometry_kernels
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.planners.patrol.ground.samples import MOST_CELLS
-from rota.planners.patrol.methods.sun2019 import sight_kernels
-from rota.planners.patrol.methods.sun2019.our_settings import BorderCells
-from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
 from rota.planners.patrol.tolerances import TIE
+from rota_studies.sun2019_stages import sight_kernels
+from rota_studies.sun2019_stages.sight_kernels import CellTable, Ground
+from rota_studies.sun2019_stages.stage_settings import BorderCells
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.algorithms import FrameTour
-from rota.planners.patrol.methods.sun2019.frame import Frame
-from rota.planners.patrol.methods.sun2019.graph import (
+from rota_studies.sun2019_stages.algorithms import FrameTour
+from rota_studies.sun2019_stages.frame import Frame
+from rota_studies.sun2019_stages.graph import (
     ProximityGraph,
     changes_zone,
     graph_distances,
     proximity_graph,
     shortest_sequence,
 )
-from rota.planners.patrol.methods.sun2019.our_settings import AStarWeights
+from rota_studies.sun2019_stages.stage_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,7 +9,7 @@ from shapely import MultiPolygon, Point, Polygon, box
 
 from rota.errors import NoPlanFound
 from rota.model.polygons import polygons_of
-from rota.planners.patrol.methods.sun2019.cells import (
+from rota_studies.sun2019_stages.cells import (
     Cells,
     cells_of,
     cells_seen_from,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019 import local_search
-from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour, neighbours, tour_length
-from rota.planners.patrol.methods.sun2019.local_search_kernels import improve, kicks
+from rota_studies.sun2019_stages import local_search
+from rota_studies.sun2019_stages.local_search import locally_shortest_tour, neighbours, tour_length
+from rota_studies.sun2019_stages.local_search_kernels import improve, kicks
 
 Floats = NDArray[np.float64]
 
