@@ -38,7 +38,6 @@ NOTHING = ProvedBound(robots=0, reason="left out")
 PROOFS: dict[str, tuple[str, Any]] = {
     "rates, disc by disc": ("area_rate", (0.0, 0.0)),
     "rates, with borders": ("swept_robots", (0.0, 0.0)),
-    "groups of pieces": ("groups_bound", NOTHING),
     "straight chains": ("straight_chain_bound", NOTHING),
     "chains": ("chain_bound", NOTHING),
     "forests": ("forest_bound", NOTHING),

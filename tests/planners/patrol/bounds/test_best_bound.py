@@ -112,9 +112,7 @@ def test_two_robots_on_a_ring_serve_three_places_a_round_trip_apart() -> None:
     assert bound(replace(field, zones=visits)) == 2
     # in 28 s nobody gets from one to the next (58 m less 0.2 m of zone), in 30 s one does
     urgent = tuple(replace(zone, period_s=28) for zone in zones)
-    robots, reason = proof(replace(field, zones=urgent))
-    assert robots == 3
-    assert reason == "3 places are too far apart for one robot to serve two of them"
+    assert bound(replace(field, zones=urgent)) == 3
 
 
 def test_places_that_one_robot_sees_at_once() -> None:
@@ -147,17 +145,6 @@ def test_zones_to_visit() -> None:
     # a robot at rest is inside all of them
     nested = tuple(replace(zone, shape=box(0, 0, 310 - 60 * k, 10)) for k, zone in enumerate(zones))
     assert bound(replace(strip, zones=nested)) == 1
-
-
-def test_islands_take_robots_of_their_own() -> None:
-    # 40 m squares 500 m apart: 1600 m2 in 10 s, a robot sweeps 10 x 10 x 10 + 78: two for each
-    islands = MultiPolygon([box(500 * k, 0, 500 * k + 40, 40) for k in range(3)])
-    bridge = union_all([islands, box(0, 19, 1040, 21)])
-    zones = tuple(Zone(name=f"i{k}", shape=MultiPolygon([p]), period_s=10) for k, p in enumerate(islands.geoms))
-    mission = Mission(name="islands", area=bridge, zones=zones, fleet=fleet(5, 10))
-    robots, reason = proof(mission)
-    assert robots == 6  # the sweep rate alone: 4800 / 1078.5 = 4.45
-    assert reason.startswith("3 pieces of ground are too far apart")
 
 
 def test_travel_between_fields_counts() -> None:

@@ -11,8 +11,6 @@ from rota.model.mission import Robot
 from rota.planners.patrol.bounds.area_bound import area_rate, rate_proof
 from rota.planners.patrol.bounds.chain_bound import chain_bound, straight_chain_bound
 from rota.planners.patrol.bounds.forest_bound import forest_bound
-from rota.planners.patrol.bounds.groups_bound import groups_bound
-from rota.planners.patrol.bounds.pieces import ground_pieces
 from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
@@ -52,13 +50,11 @@ def prove_bound(
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
     witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
     seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
-    pieces = ground_pieces(regions, seeable_m2)
     states = TOUR_STATES[PatrolSettings.of(problem.mission).effort] if tours else 0
     proofs = [
         least,
         _by_areas(regions, seeable_m2, robot),
         *_by_rates(regions, seeable_m2, robot, circle_radius_m(problem.mission)),
-        groups_bound(pieces, robot),
         straight_chain_bound(problem, robot),
     ]
     if witnesses.components > 1:
