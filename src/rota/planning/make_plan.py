@@ -152,11 +152,13 @@ def _while_awaited(own: OwnThread[PlanSearch], callback: Callable[..., None]) ->
 
 def _search(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
     """The planner's answer, and the check's report on it, which every NoPlanFound has as well."""
+    from rota.planning.near_origin import plan_near_origin
+
     stop = request.should_stop
     assert isinstance(stop, StopRule)
     judge.get_ready()
     try:
-        answer = planner.plan(request)
+        answer = plan_near_origin(planner, request)
     except NoPlanFound as failure:
         passed = judge.passed if stop.stopped else None
         if passed is not None:

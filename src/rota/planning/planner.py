@@ -85,10 +85,12 @@ class Handover:
 class Planner(ABC):
     """A planner as the rest of Rota sees it; each overrides what it has more of.
 
-    ``methods``: the values of its setting ``method`` that can be compared side by side.
+    ``methods``: the values of its setting ``method`` that can be compared side by side. ``plans_near_origin``: missions
+    far from the origin come to it moved there, with the places of all declared fields; it tells places as (x, y).
     """
 
     methods: tuple[str, ...] = ()
+    plans_near_origin: bool = False
 
     @property
     @abstractmethod

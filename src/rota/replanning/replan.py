@@ -14,6 +14,7 @@ import numpy as np
 
 from rota.errors import MissionError, NoPlanFound
 from rota.model.plan import Plan, Trajectory
+from rota.planning.near_origin import takeovers_near_origin
 from rota.planning.planner import Handover, planner_of
 from rota.planning.stopping import StopRule
 from rota.replanning.order import Order, Rank
@@ -158,7 +159,7 @@ class _Search:
                 one.robot: team.robot(name) for one, name in zip(loops, names or [k.robot for k in loops], strict=True)
             },
         )  # fmt: skip
-        plans = iter(self._planner.takeovers(asked))
+        plans = takeovers_near_origin(self._planner, asked)
         # on lanes the second plan takes seconds
         first = islice(plans, 1 if situation.mission.lanes else FIRST)
         ranked: list[tuple[Rank, int, Plan]] = []

@@ -20,6 +20,7 @@ class PatrolPlanner(Planner):
     """The door of the planner patrol; the compiled loops are loaded only when they are needed."""
 
     methods = tuple(METHODS)
+    plans_near_origin = True
     settings = PatrolSettings
 
     def plan(self, request: Request) -> Answer:
