@@ -123,7 +123,6 @@ MECHANISMS = (
     Mechanism("annealings between repairs", stage="alternation", values={"annealings": 2}),
     Mechanism("robots given up by plans found", (f"{SEARCH}.without_spare_robots",), second, other_plan),
     Mechanism("robots that shorter loops spare", (f"{PATROL}.planner.leave_out_needless_robots",), second, other_plan),
-    Mechanism("longer headways", (f"{PATROL}.planner.with_longer_headways",), second, other_plan),
     Mechanism("shorter sights", (f"{PATROL}.planner.with_shorter_sights",), second, other_plan),
     Mechanism("lesser efforts first", (f"{SEARCH}.EFFORTS",)),
 )

@@ -25,7 +25,6 @@ from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.kinds.groups import differs
 from rota.planners.patrol.kinds.plan_with_kinds import plan_with_kinds
 from rota.planners.patrol.margins import with_reserve, without_starts
-from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
 from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
 from rota.planners.patrol.methods.fewest.shorter_sights import with_shorter_sights
@@ -302,15 +301,13 @@ def claimed_bound(plan: Plan) -> ProvedBound:
 def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Repaired]:
     """The plan with the fewest robots found, and the same with the loops that the mission prefers.
 
-    Shorter loops may do with fewer robots; these then get loops that are better still. Robots that may follow each
-    other in more than a period are fewer yet, and their loops stay as long as that makes them.
+    Shorter loops may do with fewer robots; these then get loops that are better still.
     """
     better = with_better_loops(context, best)
     fewer = leave_out_needless_robots(context, better)
     if fewer is not better and not context.should_stop():
         best, better = fewer, with_better_loops(context, fewer)
-    farther_apart = with_longer_headways(context, better)
-    return (best, better) if farther_apart is better else (farther_apart, farther_apart)
+    return best, better
 
 
 def first_led(plans: list[Plan], mission: Mission, judge: Judge) -> Plan:
