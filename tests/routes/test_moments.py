@@ -74,6 +74,19 @@ def test_a_moment_beside_a_corner_leaves_turns_their_time_and_no_leg_that_creeps
             assert off_m_s.max(initial=0.0) < 1e-5, (at_s, times_s, legs_m)
 
 
+@pytest.mark.parametrize("trajectory", [TURNS, LOOPS])
+@pytest.mark.parametrize("off_s", [-3e-4, 3e-4])
+def test_a_moment_beside_a_corner_after_many_rounds_moves_no_place(trajectory: Trajectory, off_s: float) -> None:
+    """After eleven days as well: only times so far on are rounded, to 1e-10 s."""
+    moments_s = np.linspace(0, 60, 601)
+    for row_s in trajectory.times_s[trajectory.loop_index :]:
+        at_s = float(row_s + 50_000 * trajectory.loop_duration_s + off_s)
+        assert np.abs(go_on(trajectory, at_s).at(moments_s) - trajectory.at(at_s + moments_s)).max() < 2e-9
+        before = way_before(trajectory, DiscSensor(radius_m=1), at_s, 60)
+        assert before.times_s[0] == pytest.approx(-60)
+        assert max(np.abs(place(before, -s) - trajectory.at(at_s - s)).max() for s in moments_s[1:]) < 2e-9
+
+
 def test_a_late_robot_is_where_it_was_so_much_sooner() -> None:
     late = delay(LOOPS, 2.5)
     moments = np.linspace(0, 40, 301)

@@ -47,6 +47,7 @@ def way_before(trajectory: Trajectory, sensor: Sensor, at_s: float, least_s: flo
 
     battery: 0 to 1, how full it was when that begins.
     """
+    at_s = _in_early_round(trajectory, at_s, least_s)
     from_s = max(0.0, at_s - least_s)
     times_s, places_m, changes = _rows(trajectory, from_s, at_s)
     times_s = times_s - at_s
@@ -100,7 +101,7 @@ def go_on(trajectory: Trajectory, at_s: float, battery: float = 1.0) -> Trajecto
 
     battery: 0 to 1, how full it is then.
     """
-    loop_s = trajectory.loop_duration_s
+    loop_s, at_s = trajectory.loop_duration_s, _in_early_round(trajectory, at_s, 0.0)
     if at_s >= trajectory.loop_start_s and loop_s == 0:
         if _ends_docked(trajectory):
             charger = trajectory.charges[-1].charger
@@ -195,6 +196,14 @@ def _charges(stays: Sequence[tuple[str, float, float]], times_s: Floats, later_s
 def _forward(times_s: Floats, places_m: Floats, changes: Floats) -> Floats | None:
     """The accelerations along legs as rounding leaves them; None: none."""
     return forward_accelerations(times_s, places_m, changes) if changes.any() else None
+
+
+def _in_early_round(trajectory: Trajectory, at_s: float, least_s: float) -> float:
+    """The same moment of the first round before which as much is driven in rounds: rounding of times grows with them."""
+    loop_s, start_s = trajectory.loop_duration_s, trajectory.loop_start_s
+    if loop_s == 0 or at_s < start_s:
+        return at_s
+    return min(at_s, start_s + math.fmod(at_s - start_s, loop_s) + math.ceil(least_s / loop_s) * loop_s)
 
 
 def _rows(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, Floats, Floats]:
