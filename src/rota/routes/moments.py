@@ -199,7 +199,7 @@ def _forward(times_s: Floats, places_m: Floats, changes: Floats) -> Floats | Non
 
 
 def _in_early_round(trajectory: Trajectory, at_s: float, least_s: float) -> float:
-    """The same moment of the first round before which as much is driven in rounds: rounding of times grows with them."""
+    """The same moment of the first round before which as much is driven: times are rounded more in later ones."""
     loop_s, start_s = trajectory.loop_duration_s, trajectory.loop_start_s
     if loop_s == 0 or at_s < start_s:
         return at_s
