@@ -33,7 +33,7 @@ from rota.model.violation_kinds import ViolationKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROUNDS = 3  # of a loop that are looked at, so that all that spans its seam is whole in one
+ROUNDS = 4  # of a loop that are looked at, so that all that spans its seam is whole in one
 VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
 PIECES_S, COARSE = (
     (1e-3, 1e-2),
@@ -45,7 +45,7 @@ LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a j
 
 
 class _Motion(NamedTuple):
-    """n legs one after the other, the loop's thrice: velocities (n, d) as each begins and as it ends, its acceleration.
+    """n legs, the loop's four times: velocities (n, d) as each begins and as it ends, its acceleration.
 
     Robots at rest have a leg before they begin, and one after they end, that lasts for ever. noise_m_s: (n,) what
     rounding may make of a leg's velocity. points: (n,) of the trajectory, at which each leg begins.
@@ -88,16 +88,11 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
             limits_m_s2 = COARSE * most_m_s2, COARSE * corner_m_s2
             violations += _vertex_violations(trajectory, _without_cuts(coarse), *limits_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
-        # a loop's first point may be one on a leg; then what tells is the motion without it
-        without = _jerk_violations(trajectory, _without_cuts(motion, at=trajectory.loop_index), most_m_s3, whole)
-        jerks = _jerk_violations(trajectory, motion, most_m_s3, whole)
-        violations += [each for each in jerks if _is_among(each, without)]
+        # a loop may begin amid a leg, or with a curve: the motion without that point tells, or that with it
+        either = motion, _without_cuts(motion, at=trajectory.loop_index)
+        jerks = [_jerk_violations(trajectory, one, most_m_s3, whole) for one in either]
+        violations += min(jerks, key=lambda own: (len(own), sum(each.value for each in own)))
     return violations
-
-
-def _is_among(one: Violation, others: list[Violation]) -> bool:
-    """Whether some of the others are at the same time."""
-    return any(one.time_s == other.time_s for other in others)
 
 
 def _motion_of(trajectory: Trajectory, from_rest: bool) -> _Motion:
@@ -307,9 +302,11 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float, 
     phase = np.add.reduceat(change, first) / lasts_s[:, None]
     noise = np.maximum.reduceat(noise, first)
     jerk = np.maximum(0.0, _sizes(np.diff(phase, axis=0)) - noise[1:] - noise[:-1]) / ((lasts_s[1:] + lasts_s[:-1]) / 2)
-    # phases that are cut off where the rounds begin and end are judged in another round
-    whole = np.ones(len(first), np.bool_)
-    whole[0], whole[-1] = begins_whole, np.isinf(lasts_s[-1])
+    # where rounds begin and end nobody knows by how much the first and last leg change the velocity, nor whether the
+    # leg beside is of one phase with them: their phases are judged in another round
+    whole, legs = np.ones(len(first), np.bool_), np.arange(len(change))
+    for beside, known in ((legs[:2], begins_whole), (legs[-2:], bool(np.isinf(lasts_s[-1])))):
+        whole[np.searchsorted(first, beside, side="right") - 1] &= known
     violations: dict[int, Violation] = {}
     for j in np.flatnonzero((jerk > most_m_s3 * (1 + ACCELERATION_TOLERANCE)) & whole[1:] & whole[:-1]):
         k = int(motion.points[first[j + 1]])
