@@ -91,7 +91,8 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
         # a loop may begin amid a leg, or with a curve: the motion without that point tells, or that with it
         either = motion, _without_cuts(motion, at=trajectory.loop_index)
         jerks = [_jerk_violations(trajectory, one, most_m_s3, whole) for one in either]
-        violations += min(jerks, key=lambda own: (len(own), sum(each.value for each in own)))
+        fewest = min(jerks, key=lambda own: (len(own), sum(each.value for each in own)))
+        violations += fewest
     return violations
 
 
