@@ -287,18 +287,39 @@ def test_full_acceleration_at_once_breaks_the_jerk() -> None:
     assert found(way, acceleration_m_s2=2, jerk_m_s3=4) == []
 
 
-def test_where_a_loop_begins_changes_nothing_about_its_jerk() -> None:
-    """Four corners at 5 m/s and 3 m/s2, 2.36 s each, a second apart: from one phase to the next by 3 m/s2 in 1.68 s."""
+def corners() -> tuple[Trajectory, float]:
+    """Four corners at 5 m/s and 3 m/s2, 2.36 s each, a second apart, and the jerk: by 3 m/s2 in 1.68 s."""
     legs, ways, corner_s = [], np.array([(5, 0), (0, 5), (-5, 0), (0, -5)], float), math.hypot(5, 5) / 3
     for way, after in zip(ways, np.roll(ways, -1, axis=0), strict=True):
         legs += [(1.0, way, 0.0), *tangents(way, (after - way) / corner_s, corner_s, 7)]
-    loop, jerk_m_s3 = driven(legs, loop=True), 3 / ((1 + corner_s) / 2)
+    return driven(legs, loop=True), 3 / ((1 + corner_s) / 2)
+
+
+def test_where_a_loop_begins_changes_nothing_about_its_jerk() -> None:
+    loop, jerk_m_s3 = corners()
     for at_s in np.linspace(0.01, loop.loop_duration_s, 60, endpoint=False):
         way = go_on(loop, at_s)
         assert found(way, acceleration_m_s2=3, jerk_m_s3=1.001 * jerk_m_s3) == []
         wrong = found(way, acceleration_m_s2=3, jerk_m_s3=0.999 * jerk_m_s3)
         assert len(wrong) in (7, 8)  # the straight beside which it begins may be one with the curve's first piece
         assert [each.value for each in wrong] == pytest.approx([jerk_m_s3] * len(wrong), rel=1e-4)
+
+
+def test_where_a_plan_takes_over_changes_nothing_about_the_jerk() -> None:
+    loop, jerk_m_s3 = corners()
+    refused = 0
+    for at_s in np.linspace(0.01, loop.loop_duration_s, 40, endpoint=False):
+        k = int(np.searchsorted(loop.times_s, at_s))
+        way = dataclasses.replace(
+            loop,
+            times_s=np.insert(loop.times_s, k, at_s),
+            positions_m=np.insert(loop.positions_m, k, loop.at(at_s), axis=0),
+            accelerations_m_s2=np.zeros(len(loop.times_s)),
+        )
+        limits = robot(acceleration_m_s2=3, jerk_m_s3=1.001 * jerk_m_s3)
+        assert acceleration_violations(way, limits, seam=k) == []
+        refused += acceleration_violations(way, limits) != []
+    assert refused > 0
 
 
 # ------------------------------------------------------------------ what a kept plan promises

@@ -13,6 +13,7 @@ from rota.check import check_plan
 from rota.errors import PlanError
 from rota.model.plan import Charge, Plan, Trajectory
 from rota.routes.flights import ends_on_charger, flights_of, plan_of_flights
+from rota.routes.moments import go_on
 from rota.routes.served_loops import service_of
 
 
@@ -41,6 +42,18 @@ def test_flights_begin_and_end_where_the_plan_says() -> None:
         # the loop's seam is no point of it
         assert len(flight.times_s) == 11
         np.testing.assert_allclose(flight.positions_m[[0, 1, -1]], [(0, 0), SQUARE_M[0], (0, 0)], atol=1e-9)
+
+
+@pytest.mark.parametrize("at_s", [33.0, 45.0, 52.0])  # while it speeds up, at full speed, and while it brakes
+def test_a_loop_that_begins_on_a_leg_with_an_acceleration_has_the_same_flight(at_s: float) -> None:
+    out = Trajectory(
+        robot="a", times_s=[0, 30, 40, 50, 60], positions_m=[(0, 0), (0, 0), (10, 0), (10, 20), (0, 0)],
+        accelerations_m_s2=[0, 0.2, 0, -0.1], charges=(Charge(charger="pad", from_s=0, until_s=30),),
+    )  # fmt: skip
+    (whole,), (cut,) = flights_of(out, accelerated=True), flights_of(go_on(out, at_s), accelerated=True)
+    np.testing.assert_allclose(cut.times_s, whole.times_s, atol=1e-9)
+    np.testing.assert_allclose(cut.positions_m, whole.positions_m, atol=1e-9)
+    np.testing.assert_allclose(cut.accelerations_m_s2, whole.accelerations_m_s2, atol=1e-9)
 
 
 def test_what_is_flown_before_the_loop_is_flown_once() -> None:

@@ -18,6 +18,7 @@ Before a robot begins, and where it has come to stay, it is at rest; only a loop
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -63,13 +64,16 @@ class _Motion(NamedTuple):
         return _Motion(*(np.concatenate(both) for both in zip(self, other, strict=True)))
 
 
-def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: bool = True) -> list[Violation]:
+def acceleration_violations(
+    trajectory: Trajectory, robot: Robot, *, from_rest: bool = True, seam: int | None = None
+) -> list[Violation]:
     """Legs and vertices at which a robot would have to accelerate more than it can, and jerks.
 
     Kinds: "acceleration" along a leg, and where the speed jumps; "corner acceleration" where the direction does; "jerk"
     where accelerations change, see ``_jerk_violations``. Each is told with the least value that the plan asks for.
     Robots whose limits state no acceleration have none of these. from_rest: whether what is before the trajectory is
-    known: rest, or the loop that begins at 0. If it is not, the first leg is judged with what is told of it.
+    known: rest, or the loop that begins at 0. If it is not, the first leg is judged with what is told of it. seam: the
+    number of the point at which a plan took over.
     """
     most_m_s2 = robot.motion.acceleration_m_s2
     if most_m_s2 is None or len(trajectory.times_s) == 1:
@@ -89,8 +93,9 @@ def acceleration_violations(trajectory: Trajectory, robot: Robot, *, from_rest: 
             violations += _vertex_violations(trajectory, _without_cuts(coarse), *limits_m_s2, whole)
     if (most_m_s3 := robot.motion.jerk_m_s3) is not None:
         # a loop may begin amid a leg, or with a curve: the motion without that point tells, or that with it
-        either = motion, _without_cuts(motion, at=trajectory.loop_index)
-        jerks = [_jerk_violations(trajectory, one, most_m_s3, whole) for one in either]
+        points = {trajectory.loop_index, trajectory.loop_index if seam is None else seam}
+        either = [each for k in range(len(points) + 1) for each in itertools.combinations(sorted(points), k)]
+        jerks = [_jerk_violations(trajectory, _without_cuts(motion, at=at), most_m_s3, whole) for at in either]
         fewest = min(jerks, key=lambda own: (len(own), sum(each.value for each in own)))
         violations += fewest
     return violations
@@ -184,18 +189,18 @@ def _in_even_pieces(motion: _Motion, piece_s: float, corner_m_s: float) -> _Moti
     )
 
 
-def _without_cuts(motion: _Motion, at: int | None = None) -> _Motion:
+def _without_cuts(motion: _Motion, at: tuple[int, ...] | None = None) -> _Motion:
     """The motion with legs as one where nothing but a point is between them: no jump of velocity or acceleration.
 
-    So the point at which a loop begins, in the midst of a leg, changes nothing of what can be driven. at: only that
-    point of the trajectory; None: any.
+    So the point at which a loop begins, in the midst of a leg, changes nothing of what can be driven. at: only
+    these points of the trajectory; None: any.
     """
     noise = motion.noise_m_s[1:] + motion.noise_m_s[:-1]
     shorter_s = np.minimum(motion.lasts_s[1:], motion.lasts_s[:-1])
     changes = _sizes(np.diff(motion.acceleration_m_s2, axis=0)) * np.where(np.isinf(shorter_s), 0.0, shorter_s)
     is_cut = (_sizes(motion.begin_m_s[1:] - motion.end_m_s[:-1]) <= noise) & (changes <= noise)
     if at is not None:
-        is_cut &= motion.points[1:] == at
+        is_cut &= np.isin(motion.points[1:], at)
     first = np.flatnonzero(np.append(True, ~is_cut))
     last = np.append(first[1:], len(motion.lasts_s)) - 1
     return _Motion(

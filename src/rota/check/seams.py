@@ -55,20 +55,14 @@ def _violations_across(driven: Driven, trajectory: Trajectory, robot: Robot) -> 
     own: set[tuple[str, float | None]] = set()
     if not from_rest:
         straight = before.goes_on(before.straight_on())
-        own = {(one.kind, one.time_s) for one in turn_violations(straight, robot) + _curves(straight, robot, False)}
+        own = {(one.kind, one.time_s) for one in turn_violations(straight, robot) + before.curves(straight, robot)}
     # turns later on are told of the trajectory alone
     turns = [one for one in turn_violations(joined, robot) if (one.time_s or 0.0) <= before.lasts_s + slack_s]
     return few_of_each_kind(
         replace(one, time_s=max(0.0, one.time_s - before.lasts_s))
-        for one in turns + _curves(joined, robot, from_rest)
+        for one in turns + before.curves(joined, robot)
         if one.time_s is not None and (one.time_s >= before.lasts_s - slack_s or (one.kind, one.time_s) not in own)
     )
-
-
-def _curves(trajectory: Trajectory, robot: Robot, from_rest: bool) -> list[Violation]:
-    """Curves and changes of speed that the robot cannot drive."""
-    found = turn_radius_violations(trajectory, robot, begins_whole=from_rest)
-    return found + acceleration_violations(trajectory, robot, from_rest=from_rest)
 
 
 class _Before:
@@ -89,6 +83,12 @@ class _Before:
         return Trajectory(
             robot=self._driven.robot, times_s=np.array([0.0, 100.0]), positions_m=places_m, loop_start_s=100.0
         )
+
+    def curves(self, joined: Trajectory, robot: Robot) -> list[Violation]:
+        """Curves and changes of speed that the robot cannot drive, of what was driven and what follows."""
+        from_rest, seam = self.lasts_s == 0, len(self._times_s) - 1
+        found = turn_radius_violations(joined, robot, begins_whole=from_rest)
+        return found + acceleration_violations(joined, robot, from_rest=from_rest, seam=seam)
 
     def goes_on(self, trajectory: Trajectory) -> Trajectory:
         """What was driven and then the trajectory; PlanError where times cannot be told from one another."""

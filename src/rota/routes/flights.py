@@ -126,8 +126,8 @@ def _flight(one: Trajectory, docked: NDArray[np.bool_], run: Whole) -> Flight:
     told_m = np.vstack([places_m[run], places_m[run[-1] + 1 : run[-1] + 2]])
     starts_s, wraps = float(told_s[0]), bool(late_s[-1])
     told_m_s2 = None if one.accelerations_m_s2 is None else one.accelerations_m_s2[run]
-    if wraps and told_m_s2 is None:
-        told_s, told_m = _without_seam(told_s, told_m, int(np.argmax(late_s > 0)))
+    if wraps:
+        told_s, told_m, told_m_s2 = _without_seam(told_s, told_m, told_m_s2, int(np.argmax(late_s > 0)))
     if wraps:
         starts_s -= round_s if one.loop_start_s == 0 else 0.0
     first, legs = one.loop_index, len(docked)
@@ -150,13 +150,21 @@ def _flight(one: Trajectory, docked: NDArray[np.bool_], run: Whole) -> Flight:
     )
 
 
-def _without_seam(times_s: Floats, places_m: Floats, k: int) -> tuple[Floats, Floats]:
-    """The points of a flight without the k-th, where the loop's seam is, if the way is the same without it."""
-    share = (times_s[k] - times_s[k - 1]) / (times_s[k + 1] - times_s[k - 1])
-    between_m = places_m[k - 1] + share * (places_m[k + 1] - places_m[k - 1])
-    if np.abs(between_m - places_m[k]).max() > STRAIGHT_M:
-        return times_s, places_m
-    return np.delete(times_s, k), np.delete(places_m, k, axis=0)
+def _without_seam(
+    times_s: Floats, places_m: Floats, changes_m_s2: Floats | None, k: int
+) -> tuple[Floats, Floats, Floats | None]:
+    """The points of a flight without the k-th, where the loop's seam is, if it is flown the same without it."""
+    before_s, lasts_s = times_s[k] - times_s[k - 1], times_s[k + 1] - times_s[k - 1]
+    one_m_s2, other_m_s2 = (0.0, 0.0) if changes_m_s2 is None else changes_m_s2[k - 1 : k + 1]
+    step_m = places_m[k + 1] - places_m[k - 1]
+    length_m = float(np.sqrt((step_m**2).sum()))
+    along_m = length_m * before_s / lasts_s - one_m_s2 / 2 * before_s * (lasts_s - before_s)
+    between_m = places_m[k - 1] + step_m * (along_m / length_m if length_m else 0.0)
+    off_m = max(np.abs(between_m - places_m[k]).max(), abs(other_m_s2 - one_m_s2) * lasts_s**2 / 8)
+    if off_m > STRAIGHT_M:
+        return times_s, places_m, changes_m_s2
+    without_m_s2 = None if changes_m_s2 is None else np.delete(changes_m_s2, k)
+    return np.delete(times_s, k), np.delete(places_m, k, axis=0), without_m_s2
 
 
 def _charger(one: Trajectory, leg: int) -> str:
