@@ -74,7 +74,8 @@ def test_tours_without_hope_are_not_repaired(
 
 
 def test_tours_that_come_close_have_more_attempts(tight: tuple[Context, Annealed]) -> None:
-    assert repairs(tight, attempts=3, near_budget_limit=9.0) == (3, 3)
+    # each repair that fails so narrowly is followed by another one, over samples that hardly overlap
+    assert repairs(tight, attempts=3, near_budget_limit=9.0) == (6, 3)
     assert repairs(tight, attempts=3, near_budget_limit=0.0) == (1, 1)
 
 

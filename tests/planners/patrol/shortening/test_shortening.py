@@ -26,7 +26,6 @@ from rota.planners.patrol.shortening.search import (
     repair_for_length,
     shortened_further,
     with_better_loops,
-    with_little_overlap,
 )
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -121,17 +120,6 @@ def test_an_attempt_ends_once_its_loops_are_too_long(context: Context, found: Re
     assert len(judged) == 1
     repair_for_length(own, short, found.tours)
     assert len(judged) > 2
-
-
-def test_lanes_hardly_overlap_where_every_metre_counts(context: Context) -> None:
-    problem, less = context.problem, with_little_overlap(context.problem)
-    on_lattice = problem.points.row >= 0
-    assert (problem.points.shrink_m[on_lattice] >= 0.2 * problem.spacing_m - 1e-9).all()
-    np.testing.assert_allclose(less.points.shrink_m[on_lattice], 0.1 * problem.spacing_m)
-    np.testing.assert_allclose(less.samples.frames[:, 3], 0.1 * problem.spacing_m)
-    np.testing.assert_array_equal(less.points.shrink_m[~on_lattice], problem.points.shrink_m[~on_lattice])
-    np.testing.assert_array_equal(less.samples.shrink_m, less.points.shrink_m)
-    np.testing.assert_array_equal(less.samples.frames[:, :3], problem.samples.frames[:, :3])
 
 
 def test_loops_that_are_pulled_tight_are_shorter_and_pass(context: Context, found: Repaired) -> None:

@@ -10,6 +10,8 @@ from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.repair.bending.search import can_bend
+from rota.planners.patrol.repair.little_overlap import repair_with_little_overlap
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import AlternationSettings, Stage
 from rota.planners.patrol.tours.tour import Tour, excesses
@@ -56,6 +58,8 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
             rounds=context.settings.repair.rounds,
             annealed=True,
         )
+        if is_near(context, repaired):
+            repaired = context.run(repair_with_little_overlap, repaired, extra)
         if repaired.met:
             if context.executor is not None:
                 context.judge(repaired.plan)  # who looks on was not told of what is judged elsewhere
@@ -85,6 +89,13 @@ def excess_share(context: Context, tours: Sequence[Tour]) -> float:
     """
     least_m = 20 * context.problem.reach_m
     return max(0.0, *(excess_m / max(budget_m, least_m) for excess_m, budget_m in excesses(tours)))
+
+
+def is_near(context: Context, repaired: Repaired) -> bool:
+    """Whether a repair has failed so narrowly that one over samples that hardly overlap may pass."""
+    over, unmet = excess_share(context, repaired.tours), len(repaired.verdict.unmet_points_m)
+    near = over <= context.settings.alternation.near_budget_limit and (over > 0 or unmet > 0)
+    return near and not repaired.met and can_bend(context.problem) and not context.should_stop()
 
 
 def goes_on(excess: float, least_excess: float, settings: AlternationSettings) -> bool:

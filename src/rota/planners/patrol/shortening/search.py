@@ -22,6 +22,7 @@ from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSetti
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
 from rota.planners.patrol.repair.bending.search import can_bend
+from rota.planners.patrol.repair.little_overlap import with_little_overlap
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.shortening.measures import is_better, is_too_long, rounds_of
 from rota.planners.patrol.shortening.spikes import spikes, without
@@ -168,18 +169,6 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
         own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
         is_in_vain=lambda tours: is_too_long(tours, old),
     )  # fmt: skip
-
-
-def with_little_overlap(problem: Problem) -> Problem:
-    """The problem with sensors that are taken to reach less by a tenth of the samples' spacing at most.
-
-    More makes lanes overlap by so much, and loops longer; what is then missed between samples takes rounds of repair.
-    """
-    shrink_m, frames = 0.1 * problem.spacing_m, problem.samples.frames.copy()
-    frames[:, 3] = np.minimum(frames[:, 3], shrink_m)  # as the lattices' rows have it
-    less_m = np.minimum(problem.points.shrink_m, shrink_m)
-    points, samples = replace(problem.points, shrink_m=less_m), problem.samples._replace(shrink_m=less_m, frames=frames)
-    return replace(problem, points=points, samples=samples)
 
 
 def anneal_for_length(
