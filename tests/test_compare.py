@@ -150,7 +150,7 @@ def test_wrong_methods_are_bad_input(yard: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_no_methods_at_all_are_refused() -> None:
-    with pytest.raises(MissionError, match="none is given; tours, sequential"):
+    with pytest.raises(MissionError, match="none is given; tours, parallel"):
         compare_methods(mission(), ())
     assert named_methods(mission(), None) == tuple(METHODS)
 

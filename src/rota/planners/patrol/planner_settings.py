@@ -12,7 +12,7 @@ from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Setting
 from rota.model.refusals import Where, every_choice_of_robots, fleet_blocks, inner, robot_count, show_value
 from rota.planners.patrol.charging_refusals import charging_refusals
 from rota.planners.patrol.lane_refusals import lane_refusals
-from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS, OTHERS
+from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
 from rota.planners.patrol.tolerances import BESIDE_M
 from rota.vehicles.presets import VEHICLES
 
@@ -31,9 +31,9 @@ MOST_PATROLLING = 10_000
 class PatrolSettings(PlannerSettings):
     """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
 
-    ``method``: "tours", or one to compare with: "sequential" scanning, a traditional method of Sun et al. 2019, Figure
-    3, of which rota-studies has the others; or "sun2019", the paper's stages, by default each done by an algorithm of
-    ours. ``method_settings``: those that the method has of its own (``method_table``), in files a block with its
+    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition"; or "sun2019", the paper's stages, by default each done by an algorithm
+    of ours. ``method_settings``: those that the method has of its own (``method_table``), in files a block with its
     name; None: its defaults, if it has any. A reserve against wind and poor localisation: the plan keeps periods
     shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
     ``range_margin_m``. ``prefer``: what the slack of the periods is spent on where the robots are "fewest" and the
@@ -48,9 +48,7 @@ class PatrolSettings(PlannerSettings):
     heeds_kinds: ClassVar[bool] = True
     heeds_motion: ClassVar[bool] = True
     effort: Effort = setting("normal", "how much work planning may be")
-    method: Method = setting(
-        "tours", "all but tours are to compare with: traditional methods, and Sun 2019's stages", elsewhere=OTHERS
-    )
+    method: Method = setting("tours", "all but tours are to compare with: traditional methods, and Sun 2019's stages")
     period_margin: float = setting(
         0.0, "reserve: plan with periods shorter by this share", least=0, below=1, newer=True
     )

@@ -17,5 +17,5 @@ def test_methods_load_by_their_names(name: str) -> None:
 
 
 def test_other_names_are_refused_with_those_that_there_are() -> None:
-    with pytest.raises(MissionError, match=r"tours.*sequential.*sun2019.*decomposition.*parallel"):
+    with pytest.raises(MissionError, match=r"tours.*parallel.*sequential.*decomposition.*sun2019"):
         PatrolSettings(method="spiral")

@@ -11,7 +11,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import class_groups
-from rota.planners.patrol.methods.sweeping.methods import Sweeping, sequential
+from rota.planners.patrol.methods.sweeping.methods import Sweeping, decomposition, parallel, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -39,6 +39,16 @@ class Proposal:
 def sweep_sequentially(context: Context) -> Repaired:
     """The method ``sequential``: one route over everything, shared by robots; see ``sweep_with_fewest_robots``."""
     return sweep_with_fewest_robots(sequential, context)
+
+
+def sweep_in_parallel(context: Context) -> Repaired:
+    """The method ``parallel``: strips side by side, a robot each; see ``sweep_with_fewest_robots``."""
+    return sweep_with_fewest_robots(parallel, context)
+
+
+def sweep_decomposed(context: Context) -> Repaired:
+    """The method ``decomposition``: sub-areas of a robot each; see ``sweep_with_fewest_robots``."""
+    return sweep_with_fewest_robots(decomposition, context)
 
 
 def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:

@@ -13,9 +13,9 @@ from shapely import LineString, MultiPolygon, box
 import rota
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.methods.sweeping.methods import cut_in_two, divided_area, widest
 from rota.planners.patrol.planner_settings import Method, PatrolSettings
 from rota.routes.distinct_loops import distinct_loops
-from rota_studies.sweeping.strips_and_areas import cut_in_two, divided_area, widest
 
 TRADITIONAL: tuple[Method, ...] = ("parallel", "sequential", "decomposition")
 ONE_AT_ONCE = ("parallel", *(pytest.param(name, marks=pytest.mark.slow) for name in TRADITIONAL[1:]))  # searches
