@@ -98,7 +98,7 @@ def compare_methods(
     asked = [mission.with_method(method) for method in methods]
     stop = StopRule(should_stop=should_stop)  # once for all: what a stop leaves is not given to each of them
     tell(0.0, "loading")
-    load_compiled_loops(methods, mission.planning.planner)
+    load_compiled_loops(mission.planning.planner)
     outcomes = []
     for k, by_method in enumerate(asked):
 
@@ -157,9 +157,9 @@ def outcome_of(
     )
 
 
-def load_compiled_loops(methods: Sequence[str] = (), planner: str = DEFAULT) -> None:
+def load_compiled_loops(planner: str = DEFAULT) -> None:
     """Plan the planner's small mission, so that no method's time holds what the first one spends on loading loops."""
-    small = planner_named(planner).small_mission(methods)
+    small = planner_named(planner).small_mission()
     if small is None:
         return
     with suppress(NoPlanFound):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -137,8 +137,8 @@ class Planner(ABC):
         """What a first plan compiles, in parts that processes share out; none: it takes a moment."""
         return ()
 
-    def small_mission(self, methods: Sequence[str] = ()) -> Mission | None:
-        """A mission planned in a moment that runs the loops of the methods, so that no time measured holds loading."""
+    def small_mission(self) -> Mission | None:
+        """A mission planned in a moment that runs compiled loops, so that no time measured holds loading."""
         return None
 
     def robot_processes(self, mission: Mission, settings: ProcessSettings) -> RobotProcesses:

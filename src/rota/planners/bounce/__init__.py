@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rota.planners.bounce.planner_settings import BounceSettings
@@ -61,7 +61,7 @@ class BouncePlanner(Planner):
         """Cells, cycles and groups."""
         return ("planners/bounce",)
 
-    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
+    def small_mission(self) -> Mission:
         """Two robots that watch a door and a window."""
         import shapely
 

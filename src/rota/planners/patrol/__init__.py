@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rota.planners.patrol.method_table import METHODS
@@ -86,8 +86,8 @@ class PatrolPlanner(Planner):
 
         return PARTS
 
-    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
-        """A small yard; by sun2019 where it is among the methods, for most of its loops are its own."""
+    def small_mission(self) -> Mission:
+        """A small yard, swept in lanes."""
         import shapely
 
         from rota.model.mission import DiscSensor, Fleet, Mission
@@ -97,7 +97,7 @@ class PatrolPlanner(Planner):
             area=shapely.MultiPolygon([shapely.box(0, 0, 20, 20)]),
             period_s=100,
             fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
-            planning=PatrolSettings(effort="quick", method="sun2019" if "sun2019" in methods else "sequential"),
+            planning=PatrolSettings(effort="quick", method="sequential"),
         )
 
     def omission(self, mission: Mission) -> str | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rota.errors import MissionError
@@ -61,7 +61,7 @@ class SwarmPlanner(Planner):
         """The controllers."""
         return ("planners/swarm",)
 
-    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
+    def small_mission(self) -> Mission:
         """Four robots in a yard with a shed."""
         import shapely
 
