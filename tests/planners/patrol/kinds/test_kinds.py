@@ -191,6 +191,16 @@ def test_kinds_that_charge_share_the_places_at_chargers() -> None:
         make_plan(with_kinds(CORRIDOR, *kinds, zones=(zone,), chargers=one))
 
 
+def test_a_kind_alone_is_planned_where_a_charger_has_one_place() -> None:
+    """One that charges after each round has room at it; a fleet of two kinds, which would cost less, has not."""
+    battery = BatteryLimits(endurance_s=500, recharge_s=50)
+    fast = Kind(name="fast", cost=2, battery=battery)
+    slow = [Kind(name=f"slow{v}", cost=0.5, speed_m_s=v, most=1, battery=battery) for v in (5, 6)]
+    plan = make_plan(with_kinds(CORRIDOR, fast, *slow, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
+    assert check_plan(plan).verdict == "met"
+    assert [way.robot for way in plan] == ["fast-1"]
+
+
 def test_the_ground_is_divided_by_what_groups_can_see() -> None:
     zones = tuple(
         Zone(name=name, period_s=10 * (k + 1), shape=MultiPolygon([box(60 * k, 0, 60 * k + 10, 10)]))

@@ -71,7 +71,12 @@ class _Cheapest:
             words = ", ".join(f"{n} {group.name}" for n, group in zip(fleet, self.team.groups, strict=True) if n)
             self.team.tell(begun + 0.4 * number / (most + len(self.team.groups)), f"trying {words}")
             self._tried.add((fleet, way))
-            self._attempt(self.team.divide(np.array(fleet, dtype=np.float64), way), in_full=in_full)
+            try:
+                division = self.team.divide(np.array(fleet, dtype=np.float64), way)
+            except NoPlanFound as failure:  # kinds that charge are more than places at chargers
+                self.why = str(failure)
+                continue
+            self._attempt(division, in_full=in_full)
 
     def plan_best_in_full(self) -> None:
         """Plan the cheapest fleet's division by all that the effort allows; what is no dearer is taken."""
