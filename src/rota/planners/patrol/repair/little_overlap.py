@@ -16,12 +16,12 @@ def repair_with_little_overlap(context: Context, failed: Repaired, extra: Sample
     """The tours of a repair that failed after another one, in which they may exceed their budgets by 1 % on the way.
 
     extra: the points with which the failed repair began; what it found unmet is found again where it still is.
-    Linear programs move tours three times as far as usual, since they have more room.
+    What eight rounds do not mend is left to the next annealing, which knows what they found unmet.
     """
-    settings = context.settings
-    repair = replace(settings.repair, over_budget_limit=0.01, bending_steps=3 * settings.repair.bending_steps)
-    own = replace(context, problem=with_little_overlap(context.problem), settings=replace(settings, repair=repair))
-    return repair_until_feasible(own, failed.tours, extra, may_add=False, rounds=repair.rounds, annealed=True)
+    repair = replace(context.settings.repair, over_budget_limit=0.01)
+    settings = replace(context.settings, repair=repair)
+    own = replace(context, problem=with_little_overlap(context.problem), settings=settings)
+    return repair_until_feasible(own, failed.tours, extra, may_add=False, rounds=min(8, repair.rounds), annealed=True)
 
 
 def with_little_overlap(problem: Problem) -> Problem:
