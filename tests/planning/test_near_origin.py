@@ -143,9 +143,12 @@ def test_what_planners_say_and_are_told_of_places_is_where_they_are(monkeypatch:
 
 def test_missions_that_planners_refuse_are_told_line_by_line(monkeypatch: pytest.MonkeyPatch) -> None:
     def planner(mission: Mission, **_: Any) -> Plan:
-        raise MissionError("at (1, 2) is a wall", "so it is")
+        raise MissionError("at (1, 2) is a wall", "so it is", "start: [1, 2]", "box: [[0, 0], [2.5, 3]] is full")
 
     monkeypatch.setattr(MODULE, "planner_of", standing_in(planner))
     with pytest.raises(MissionError) as failure:
         make_plan(TO_UTM.here(YARD))
-    assert failure.value.faults == ("at (532001, 5941002) is a wall", "so it is")
+    assert failure.value.faults == (
+        "at (532001, 5941002) is a wall", "so it is", "start: [532001, 5941002]",
+        "box: [[532000, 5941000], [532002.5, 5941003]] is full",
+    )  # fmt: skip

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rota.model.plan import Plan
 
 FAR = 10.0  # times its extent that a mission lies away from the origin, from where on it is moved
-PLACE = re.compile(r"\((-?[\d.]+(?:e[+-]?\d+)?), (-?[\d.]+(?:e[+-]?\d+)?)\)")  # as planners tell them
+PLACE = re.compile(r"(?<=[(\[])(-?[\d.]+(?:e[+-]?\d+)?), (-?[\d.]+(?:e[+-]?\d+)?)(?=[)\]])")  # as planners tell them
 Moved = TypeVar("Moved")
 
 
@@ -106,7 +106,7 @@ class _Way:
 
         def place(found: re.Match[str]) -> str:
             x, y = (float(number) + by for number, by in zip(found.groups(), self.corner_m, strict=True))
-            return f"({round(x, 2):.12g}, {round(y, 2):.12g})"
+            return f"{round(x, 2):.12g}, {round(y, 2):.12g}"
 
         return PLACE.sub(place, text)
 

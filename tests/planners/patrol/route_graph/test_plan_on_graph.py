@@ -161,6 +161,13 @@ def test_a_zone_in_which_no_lane_ends_is_told() -> None:
         make_plan(mission_on([Lane(line_m=((0.0, 0.0), (10.0, 0.0)))], {(5.0, 0.0): 100.0}), seed=0)
 
 
+def test_a_lane_that_ends_where_it_began_has_one_place_to_come_to() -> None:
+    lanes = [Lane(line_m=((0.0, 0.0), (10.0, 0.0), (5.0, 8.0), (0.0, 0.0)))]
+    assert met(make_plan(mission_on(lanes, {(0.0, 0.0): 100.0}), seed=0)) == 1
+    with pytest.raises(NoPlanFound, match="zone 5 8: no lane ends in it"):
+        make_plan(mission_on(lanes, {(5.0, 8.0): 100.0}), seed=0)
+
+
 def grid(side: int, random: np.random.Generator) -> list[Lane]:
     """Crossings 10 m apart, side by side, with lanes between them of which some run one way."""
     ends = [

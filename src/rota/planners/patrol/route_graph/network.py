@@ -85,7 +85,7 @@ def network_of(mission: Mission, speed_m_s: float) -> Network:
         for way, number in [((a, b), k + 1)] + ([] if lane.one_way else [((b, a), -k - 1)]):
             if a != b and takes_s < best.get(way, np.inf):
                 best[way], lane_of[way] = takes_s, number
-    rows, columns = np.array(list(best)).T
+    rows, columns = np.array(list(best), np.int64).reshape(-1, 2).T  # none where each lane is a ring
     ways_s = csr_array((list(best.values()), (rows, columns)), shape=(len(ends_m), len(ends_m)))
     return Network(ends_m=ends_m, ways_s=ways_s, lane=lane_of, lanes=mission.lanes, speed_m_s=speed_m_s)
 
