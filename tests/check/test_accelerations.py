@@ -322,6 +322,22 @@ def test_where_a_plan_takes_over_changes_nothing_about_the_jerk() -> None:
     assert refused > 0
 
 
+@pytest.mark.parametrize("beside_s", [-1e-4, -5e-5, -3e-5, 0.0, 3e-5, 5e-5, 1e-4])
+def test_a_loop_that_begins_a_moment_beside_a_jump_of_acceleration_hides_no_jerk(beside_s: float) -> None:
+    """From 5 m/s by 2 m/s2 for 0.6 s, held for 3 s, and gently back: 2 m/s2 from the middle of 0.6 s to that of 3 s."""
+    ways, corner_s = np.array([(5, 0), (0, 5), (-5, 0), (0, -5)], float), math.hypot(5, 5)
+    ahead = np.array([1.0, 0.0])
+    faster = [(4.0, 5 * ahead, 0.0), (0.6, 5.6 * ahead, 2.0), (3.0, 6.2 * ahead, 0.0), (6.0, 5.6 * ahead, -0.2)]
+    there_s = sum(lasts_s * float(mean_m_s[0]) for lasts_s, mean_m_s, _ in faster) / 5
+    sides = [faster, [(6.0, ways[1], 0.0)], [(there_s, ways[2], 0.0)], [(6.0, ways[3], 0.0)]]
+    legs = []
+    for side, way, after in zip(sides, ways, np.roll(ways, -1, axis=0), strict=True):
+        legs += [*side, *tangents(way, (after - way) / corner_s, corner_s, 7)]
+    way = go_on(driven(legs, loop=True), 4.6 + beside_s)
+    wrong = [each.value for each in found(way, acceleration_m_s2=3, jerk_m_s3=0.5) if each.kind == "jerk"]
+    assert max(wrong) == pytest.approx(2 / ((0.6 + 3) / 2), rel=2e-4)
+
+
 # ------------------------------------------------------------------ what a kept plan promises
 
 

@@ -300,13 +300,13 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float, 
     at = (motion.begin_m_s[1:] + motion.end_m_s[:-1]) / 2
     change = np.diff(np.concatenate([motion.begin_m_s[:1], at, motion.end_m_s[-1:]]), axis=0)
     acceleration = change / motion.lasts_s[:, None]
-    noise = motion.noise_m_s + np.maximum(np.append(motion.noise_m_s[1:], 0), np.append(0, motion.noise_m_s[:-1]))
-    noise = noise / motion.lasts_s
+    noise_m_s = motion.noise_m_s + np.maximum(np.append(motion.noise_m_s[1:], 0), np.append(0, motion.noise_m_s[:-1]))
+    noise = noise_m_s / motion.lasts_s
     other = _sizes(np.diff(acceleration, axis=0)) > noise[1:] + noise[:-1] + ACCELERATION_TOLERANCE * most_m_s3
     first = np.concatenate([[0], np.flatnonzero(other) + 1])
     lasts_s = np.add.reduceat(motion.lasts_s, first)
     phase = np.add.reduceat(change, first) / lasts_s[:, None]
-    noise = np.maximum.reduceat(noise, first)
+    noise = np.maximum.reduceat(noise_m_s, first) / lasts_s  # a moment's leg makes a phase no vaguer
     jerk = np.maximum(0.0, _sizes(np.diff(phase, axis=0)) - noise[1:] - noise[:-1]) / ((lasts_s[1:] + lasts_s[:-1]) / 2)
     # where rounds begin and end nobody knows by how much the first and last leg change the velocity, nor whether the
     # leg beside is of one phase with them: their phases are judged in another round
