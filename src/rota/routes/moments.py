@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.model.mission import Sensor
 from rota.model.plan import Charge, Driven, Trajectory
 from rota.model.trajectory import forward_accelerations
+from rota.routes.cuts import without_cuts
 from rota.routes.route import Route, route_of
 
 Floats = NDArray[np.float64]
@@ -75,13 +76,19 @@ def join_ways(earlier: Driven | None, way: Driven, least_s: float) -> Driven:
     """
     if earlier is None or earlier.times_s[-1] != way.times_s[0] or earlier.sensor != way.sensor:
         return way
-    times_s = np.append(earlier.times_s[:-1], way.times_s)
-    changes = np.concatenate([_changes_of(earlier), _changes_of(way)])
+    times_s, places_m, changes = without_cuts(
+        (
+            np.append(earlier.times_s[:-1], way.times_s),
+            np.vstack([earlier.positions_m[:-1], way.positions_m]),
+            np.concatenate([_changes_of(earlier), _changes_of(way)]),
+        ),
+        [len(earlier.times_s) - 1],
+    )
     first = max(0, int(np.searchsorted(times_s, -least_s, side="right")) - 1)
     return replace(
         way,
         times_s=times_s[first:],
-        positions_m=np.vstack([earlier.positions_m[:-1], way.positions_m])[first:],
+        positions_m=places_m[first:],
         accelerations_m_s2=changes[first:] if changes.any() else None,
         charges=_charges(
             [(one.charger, one.from_s, one.until_s) for one in (*earlier.charges, *way.charges)], times_s[first:], 0.0
@@ -240,15 +247,20 @@ def _rows(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, F
 
 
 def _rounds(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats, Floats, Floats]:
-    """The timed points (n,), (n, d) of all rounds that meet a span of time, and accelerations (n - 1,) between them."""
+    """The timed points (n,), (n, d) of all rounds that meet a span of time, and accelerations (n - 1,) between them.
+
+    Without those at which rounds begin where these only cut a leg of a curve.
+    """
     times_s, loop_s, index = trajectory.times_s, trajectory.loop_duration_s, trajectory.loop_index
     changes = _changes_of(trajectory)
     turns = 0 if loop_s == 0 else max(0, int(np.ceil((to_s - times_s[-1]) / loop_s)))
     skipped = 0 if loop_s == 0 else max(0, int(np.floor((from_s - trajectory.loop_start_s) / loop_s)))
     first = 0 if skipped == 0 else index
     rows, places, legs = [times_s[first:] + skipped * loop_s], [trajectory.positions_m[first:]], [changes[first:]]
+    seams = list[int]()
     for turn in range(skipped + 1, turns + 1):
+        seams.append(sum(map(len, rows)) - 1)
         rows.append(times_s[index + 1 :] + turn * loop_s)
         places.append(trajectory.positions_m[index + 1 :])
         legs.append(changes[index:])
-    return np.concatenate(rows), np.concatenate(places), np.concatenate(legs)
+    return without_cuts((np.concatenate(rows), np.concatenate(places), np.concatenate(legs)), seams)
