@@ -18,16 +18,6 @@ MOST_ROUNDS = 8  # of the longest loop, that a bag plays until all loops begin t
 MOST_POINTS = 200_000
 
 
-def rosbag2(plan: Plan, folder: str, start: datetime) -> tuple[Path, ...]:
-    """A bag of ROS 2 in MCAP."""
-    return _rosbag2(plan, folder, start, "mcap")
-
-
-def rosbag2_sqlite3(plan: Plan, folder: str, start: datetime) -> tuple[Path, ...]:
-    """A bag of ROS 2 in SQLite."""
-    return _rosbag2(plan, folder, start, "sqlite3")
-
-
 def rosbag1(plan: Plan, path: str, start: datetime) -> tuple[Path, ...]:
     """A bag of ROS 1."""
     from rota.files.ros.bags import write_rosbag1
@@ -37,7 +27,8 @@ def rosbag1(plan: Plan, path: str, start: datetime) -> tuple[Path, ...]:
     return write_rosbag1(plan, path, start, full_period_s(plan), ground_grids(plan))
 
 
-def _rosbag2(plan: Plan, folder: str, start: datetime, storage: Storage) -> tuple[Path, ...]:
+def rosbag2(plan: Plan, folder: str, start: datetime, storage: Storage = "mcap") -> tuple[Path, ...]:
+    """A bag of ROS 2 in MCAP, or in SQLite."""
     from rota.files.ros.bags import write_rosbag2
     from rota.files.ros.library import require_rosbags
 

@@ -1,4 +1,4 @@
-"""The formats that plans are exported to, each made by a function here, which imports what it needs when it is called.
+"""The formats that plans are exported to, each made by a function that is loaded when it is called.
 
 ``FORMATS`` names all of them; the command line and the page take their choices from it.
 """
@@ -11,96 +11,29 @@ from datetime import datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from rota.errors import MissionError, RotaError
-from rota.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
-from rota.export_create2 import covering_time, create2_programs, create2_sketches
 
 if TYPE_CHECKING:
-    from rota.files.dji_waylines import WaylineSettings
-    from rota.files.vda5050_files import OrderSettings
     from rota.model.plan import Plan
     from rota.model.planner_settings import Settings
-    from rota.routes.flights import Flight
 
 
-def geojson(plan: Plan) -> str:
-    """A map's text."""
-    from rota.files.geojson import geojson_text
+def function_at(where: str, **fixed: str) -> Callable[..., Any]:
+    """The function at ``module:name`` of Rota, loaded when it is called; fixed: what it is always called with."""
+    module, name = where.split(":")
 
-    return geojson_text(plan)
+    def call(*arguments: Any, **given: Any) -> Any:
+        return getattr(import_module(f"rota.{module}"), name)(*arguments, **fixed, **given)
+
+    return call
 
 
 def geojson_warning(plan: Plan) -> str | None:
     """That maps would look for it elsewhere, of a mission without an origin."""
     told = "the mission has no origin: coordinates are in local metres, not in WGS84 as maps expect"
     return told if plan.mission.origin is None else None
-
-
-def ardupilot_missions(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """A QGroundControl plan per robot, for ArduPilot."""
-    from rota.files.qgroundcontrol import write_qgroundcontrol
-
-    return write_qgroundcontrol(plan, folder, autopilot="ardupilot")
-
-
-def px4_missions(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """A QGroundControl plan per robot, for PX4."""
-    from rota.files.qgroundcontrol import write_qgroundcontrol
-
-    return write_qgroundcontrol(plan, folder, autopilot="px4")
-
-
-def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """A list of waypoints per robot, for ArduPilot."""
-    from rota.files.waypoint_list import write_waypoint_lists
-
-    return write_waypoint_lists(plan, folder)
-
-
-def dji_waylines(plan: Plan, folder: str, settings: WaylineSettings) -> tuple[Path, ...]:
-    """A KMZ per robot, for DJI's ground stations."""
-    from rota.files.dji_waylines import write_dji_waylines
-
-    return write_dji_waylines(plan, folder, settings)
-
-
-def nav2_waypoints(plan: Plan, folder: str) -> tuple[Path, ...]:
-    """Waypoints and a path per robot, for Nav2."""
-    from rota.files.nav2_waypoints import write_nav2_waypoints
-
-    return write_nav2_waypoints(plan, folder)
-
-
-def vda5050_orders(
-    plan: Plan, folder: str, start: datetime, settings: OrderSettings, flights: Sequence[Flight] = ()
-) -> tuple[Path, ...]:
-    """Orders per robot, or per flight, for vehicles that speak VDA 5050."""
-    from rota.files.vda5050_files import write_vda5050_orders
-
-    return write_vda5050_orders(plan, folder, settings, start=start, flights=flights)
-
-
-def csv_table(plan: Plan) -> str:
-    """A table's text."""
-    from rota.files.plan_table import csv_text
-
-    return csv_text(plan)
-
-
-def kml_tour(plan: Plan, start: datetime) -> str:
-    """The text for a globe that plays the robots' tracks."""
-    from rota.files.kml_tour import kml_text
-
-    return kml_text(plan, start)
-
-
-def gpx_tracks(plan: Plan, start: datetime) -> str:
-    """The text of tracks with times."""
-    from rota.files.gpx_tracks import gpx_text
-
-    return gpx_text(plan, start)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,39 +74,47 @@ class Format:
 BY_ARDUPILOT = "a speed for each leg and waits, which ArduPilot cuts to whole seconds; start all robots together"
 
 FORMATS = {
-    "geojson": Format(holds="a map of ground and routes", text=geojson, warning=geojson_warning),
-    "csv": Format(holds="a table of all timed points", text=csv_table),
-    "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=kml_tour),
-    "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=gpx_tracks),
+    "geojson": Format(
+        holds="a map of ground and routes", text=function_at("files.geojson:geojson_text"), warning=geojson_warning
+    ),
+    "csv": Format(holds="a table of all timed points", text=function_at("files.plan_table:csv_text")),
+    "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=function_at("files.kml_tour:kml_text")),
+    "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=function_at("files.gpx_tracks:gpx_text")),
     "qgroundcontrol": Format(
-        holds=".plan files for ArduPilot", folder=ardupilot_missions, in_phase=BY_ARDUPILOT, charging="flights"
+        holds=".plan files for ArduPilot",
+        folder=function_at("files.qgroundcontrol:write_qgroundcontrol", autopilot="ardupilot"),
+        in_phase=BY_ARDUPILOT,
+        charging="flights",
     ),
     "qgroundcontrol-px4": Format(
         holds=".plan files for PX4",
-        folder=px4_missions,
+        folder=function_at("files.qgroundcontrol:write_qgroundcontrol", autopilot="px4"),
         in_phase="a speed for each leg and waits, for 65,535 rounds; start all robots together",
         charging="flights",
     ),
     "waypoints": Format(
-        holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists, in_phase=BY_ARDUPILOT, charging="flights"
+        holds="QGC WPL 110 lists for ArduPilot",
+        folder=function_at("files.waypoint_list:write_waypoint_lists"),
+        in_phase=BY_ARDUPILOT,
+        charging="flights",
     ),
     "dji-wpml": Format(
         holds="KMZ for DJI's ground stations",
-        folder=dji_waylines,
+        folder=function_at("files.dji_waylines:write_dji_waylines"),
         settings=("rota.files.dji_waylines", "WaylineSettings"),
         in_phase="a speed for each leg and waits of whole seconds, until robots fly home; start all together",
         charging="flights",
     ),
     "nav2": Format(
         holds="waypoints and a nav_msgs/Path for Nav2 (YAML)",
-        folder=nav2_waypoints,
+        folder=function_at("files.nav2_waypoints:write_nav2_waypoints"),
         takes_origin=False,
         in_phase="speed_m_s and wait_s of each waypoint, for clients that heed them; start all robots together",
         charging="flights",
     ),
     "vda5050": Format(
         holds="VDA 5050 orders and their updates",
-        timed=vda5050_orders,
+        timed=function_at("files.vda5050_files:write_vda5050_orders"),
         is_folder=True,
         takes_origin=False,
         settings=("rota.files.vda5050_files", "OrderSettings"),
@@ -182,30 +123,36 @@ FORMATS = {
     ),
     "create2-sketch": Format(
         holds="sketches for Create 2 robots",
-        folder=create2_sketches,
+        folder=function_at("export_create2:create2_sketches"),
         takes_origin=False,
         judges=True,
         charging="refused",
     ),
     "create2-reactive": Format(
         holds="programs for Create 2 robots that turn at every bump, with no plan",
-        folder=create2_programs,
+        folder=function_at("export_create2:create2_programs"),
         takes_origin=False,
-        warning=covering_time,
+        warning=function_at("export_create2:covering_time"),
         judges=True,
         charging="refused",
     ),
     "rosbag2": Format(
         holds="a bag of ROS 2 in MCAP, for Foxglove and RViz",
-        timed=rosbag2,
+        timed=function_at("export_bag:rosbag2"),
         is_folder=True,
         takes_origin=False,
         judges=True,
     ),
     "rosbag2-sqlite3": Format(
-        holds="a bag of ROS 2 in SQLite", timed=rosbag2_sqlite3, is_folder=True, takes_origin=False, judges=True
+        holds="a bag of ROS 2 in SQLite",
+        timed=function_at("export_bag:rosbag2", storage="sqlite3"),
+        is_folder=True,
+        takes_origin=False,
+        judges=True,
     ),
-    "rosbag1": Format(holds="a bag of ROS 1 (.bag)", timed=rosbag1, takes_origin=False, judges=True),
+    "rosbag1": Format(
+        holds="a bag of ROS 1 (.bag)", timed=function_at("export_bag:rosbag1"), takes_origin=False, judges=True
+    ),
 }
 
 

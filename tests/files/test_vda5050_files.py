@@ -18,7 +18,7 @@ from rota.model.plan import Plan, Trajectory
 
 
 def lines_of(plan: Plan, folder: Path, settings: OrderSettings | None = None, **options: Any) -> list[list[Any]]:
-    paths = write_vda5050_orders(plan, folder / "orders", settings, **options)
+    paths = write_vda5050_orders(plan, folder / "orders", settings=settings, **options)
     assert [path.name for path in paths] == [f"{trajectory.robot}.orders.jsonl" for trajectory in plan]
     return [[json.loads(line) for line in path.read_text().splitlines()] for path in paths]
 

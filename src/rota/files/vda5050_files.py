@@ -59,9 +59,9 @@ class OrderSettings(Settings):
 def write_vda5050_orders(
     plan: Plan,
     folder: str | os.PathLike[str],
-    settings: OrderSettings | None = None,
-    *,
     start: datetime = START,
+    *,
+    settings: OrderSettings | None = None,
     flights: Sequence[Flight] = (),
 ) -> tuple[Path, ...]:
     """Write one ``ROBOT.orders.jsonl`` per robot into ``folder`` (made if missing); returns their paths.
