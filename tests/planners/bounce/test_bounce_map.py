@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 import scipy.sparse
-from benchmarks.bounce_joint_maps import tell_apart
 from hypothesis import given, settings, strategies as st
 from maps import PlainTeam, typed_cells
 from scipy.sparse import csgraph
@@ -93,20 +91,6 @@ def test_cycles_and_basins_are_the_components_that_scipy_finds(robots: int, mark
     assert found.basin.tolist() == np.bincount(found.cycle[real], minlength=len(found.length)).tolist()
 
 
-@pytest.mark.parametrize(("text", "robots"), [(SMALL, 2), ("...\n.#.", 3)])
-def test_unordered_robots_have_the_cycles_of_ordered_ones(text: str, robots: int) -> None:
-    cells = typed_cells(text)
-    team = make_team(cells, [3] * robots)
-    ordered = cycles_and_basins(joint_map(team))
-    sets = cycles_and_basins(joint_map(team, unordered=True))
-    assert len(sets.cycle) == math.comb(cells.states, robots)
-    expected = sorted(zip(ordered.length.tolist(), ordered.basin.tolist(), strict=True))
-    counts, lengths, basins = tell_apart(team, sets)
-    told = [pair for c, *pair in zip(counts, lengths, basins, strict=True) for _ in range(c)]
-    assert sorted((int(length), int(basin)) for length, basin in told) == expected
-    assert counts.max() > 1
-
-
 def test_wide_bodies_pass_only_at_their_distance() -> None:
     cells = typed_cells("....\n....")
     number = {states_of(cells, s): s for s in range(cells.states)}
@@ -132,7 +116,5 @@ def test_maps_beyond_memory_are_refused_with_an_estimate() -> None:
     with pytest.raises(MissionError, match=r"5 robots has 800 \*\* 5 = 3\.28e\+14 states .* GB.*improved"):
         require_memory(800, 5)
     require_memory(800, 2)
-    with pytest.raises(ValueError, match="unordered"):
-        joint_map(make_team(typed_cells(SMALL), [1, 2]), unordered=True)
     with pytest.raises(ValueError, match="1 to 7"):
         make_team(typed_cells(SMALL), [8])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,6 @@ from rota.planners.bounce.map_kernels import (
     NOWHERE as NOWHERE,
     decompose,
     pair_successors,
-    set_successors,
     strip_labels,
     successors,
 )
@@ -77,17 +75,17 @@ def single_map(team: Team, robot: int = 0) -> Ints:
     return np.where(team.moved < 0, team.bumped[robot], team.moved).astype(np.int32)
 
 
-def joint_states(states: int, robots: int, *, unordered: bool = False) -> int:
+def joint_states(states: int, robots: int) -> int:
     """The number of packed states of a team, with the states in which two robots are in one place."""
-    return math.comb(states, robots) if unordered else states**robots
+    return int(states**robots)
 
 
-def require_memory(states: int, robots: int, *, unordered: bool = False, copies: int = 1) -> None:
+def require_memory(states: int, robots: int, *, copies: int = 1) -> None:
     """Raise MissionError when the joint map of these robots does not fit in memory, before any of it is made.
 
     copies: how many times the map's four bytes for a state are needed.
     """
-    count = joint_states(states, robots, unordered=unordered)
+    count = joint_states(states, robots)
     bytes_needed = 4 * copies * count
     available = MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if count > MOST_STATES or bytes_needed > available:
@@ -99,31 +97,19 @@ def require_memory(states: int, robots: int, *, unordered: bool = False, copies:
         )
 
 
-def joint_map(
-    team: Team,
-    *,
-    unordered: bool = False,
-    contact_free: bool = False,
-    should_stop: Callable[[], bool] = lambda: False,
-) -> Words:
+def joint_map(team: Team, *, contact_free: bool = False, should_stop: Callable[[], bool] = lambda: False) -> Words:
     """Successors of all packed states of the team, (n,) uint32; NOWHERE for states with robots in one place.
 
-    unordered: robots are not told apart; all must turn alike and be equally wide. contact_free: a contact leads
-    NOWHERE; only for robots that are told apart. Raises MissionError for maps that do not fit in memory, ValueError for
-    unordered robots that differ, NoPlanFound once ``should_stop``.
+    contact_free: a contact leads NOWHERE. Raises MissionError for maps that do not fit in memory, NoPlanFound once
+    ``should_stop``.
     """
     m, s = len(team.bumped), len(team.x)
-    require_memory(s, m, unordered=unordered)
-    successor = np.empty(joint_states(s, m, unordered=unordered), np.uint32)
-    states, after, stays = np.zeros(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
-    if unordered and m > 1:
-        if contact_free:
-            raise ValueError("contact_free is for robots that are told apart")
-        _require_equal(team)
-        set_successors(team, binomials(s, m), states, after, stays, successor)
-    elif m == 2:
+    require_memory(s, m)
+    successor = np.empty(joint_states(s, m), np.uint32)
+    if m == 2:
         pair_successors(team, successor, contact_free)
     else:
+        states, after, stays = np.zeros(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
         for some in in_turn(len(successor), should_stop):
             successors(team, states, after, stays, successor[some], contact_free)
     return successor
@@ -134,22 +120,6 @@ def in_turn(count: int, should_stop: Callable[[], bool]) -> Iterator[slice]:
     for first in range(0, count, STATES_TOGETHER):
         require_going_on(should_stop, "the joint map was gone through")
         yield slice(first, min(first + STATES_TOGETHER, count))
-
-
-def binomials(states: int, robots: int) -> Longs:
-    """(states + 1, robots + 1) binomial coefficients."""
-    table = np.zeros((states + 1, robots + 1), np.int64)
-    table[:, 0] = 1
-    for k in range(1, robots + 1):
-        table[1:, k] = np.cumsum(table[:-1, k - 1])
-    return table
-
-
-def _require_equal(team: Team) -> None:
-    """Raise ValueError unless all robots turn alike and are equally wide."""
-    apart2 = team.apart2[~np.eye(len(team.apart2), dtype=bool)]
-    if (team.bumped != team.bumped[0]).any() or (apart2 != apart2[0]).any():
-        raise ValueError("robots that turn by different angles, or differ in width, cannot be taken as unordered")
 
 
 def cycles_and_basins(successor: Any) -> Decomposition:

@@ -1,8 +1,7 @@
 # mypy: disable-error-code="no-any-return"
 """Compiled loops of the bounce planner: one step of a team, successor maps, and cycles and basins of such maps.
 
-A robot's state is ``cell * headings + heading``; a team's packed state is the sum of ``state_i * states ** i``, or, for
-robots that are not told apart, the rank of the set of their states (combinatorial number system).
+A robot's state is ``cell * headings + heading``; a team's packed state is the sum of ``state_i * states ** i``.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from rota.compiled.kernel import allocation_free, always_inline
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
-Words = NDArray[np.uint32]
 
 
 class Team(NamedTuple):

@@ -81,41 +81,6 @@ def pair_successors(team: Team, successor: Words, free: bool) -> None:
                 successor[b * s + a] = alone * s + (team.moved[a] if team.moved[a] >= 0 else team.bumped[0, a])
 
 
-@always_inline
-def rank_of(states: Ints, choose: Longs) -> int:
-    """The rank of a set of states, which are sorted in place. choose: (s + 1, m + 1) binomial coefficients."""
-    for i in range(1, len(states)):
-        value, k = states[i], i
-        while k > 0 and states[k - 1] > value:
-            states[k] = states[k - 1]
-            k -= 1
-        states[k] = value
-    rank = 0
-    for i in range(len(states)):
-        rank += choose[states[i], i + 1]
-    return rank
-
-
-@allocation_free
-def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: Stays, successor: Words) -> None:
-    """The successor of every set of states of m equal robots, by rank: (choose(s, m),) uint32."""
-    m = len(states)
-    for i in range(m):
-        states[i] = i
-    for rank in range(len(successor)):
-        if any_too_near(team, states):
-            successor[rank] = NOWHERE
-        else:
-            step_team(team, states, stays, after)
-            successor[rank] = rank_of(after, choose)
-        # the next set in the order of ranks
-        i = 0
-        while i + 1 < m and states[i] + 1 == states[i + 1]:
-            states[i] = i
-            i += 1
-        states[i] += 1
-
-
 @allocation_free
 def decompose(successor: Words, path: Words, progress: Longs, cycles: Longs) -> int:
     """Replace successors by LABEL + the number of the cycle that each state comes to; NOWHERE stays.

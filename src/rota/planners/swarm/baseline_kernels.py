@@ -80,18 +80,21 @@ def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: An
 
 
 @allocation_free
-def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
+def overlaps_with_robots(
+    i: int, neighbours: int, last_m: float, robots: Any, kinds: Any, near: Any
+) -> tuple[float, float, float]:
     """The sum of the overlaps of robot i's sensor with its neighbours' sensors, and how many overlap.
 
     The sum is a vector in metres; each overlap points away from its neighbour. near: the neighbours, by
-    ``find_neighbours``.
+    ``find_neighbours``. last_m: sensors reach no farther than that, where it is the last neighbour's distance. So
+    nothing jumps where another robot becomes the last one that counts: such jumps drove crowds to and fro for ever.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     fx, fy, causes = 0.0, 0.0, 0.0
     for k in range(neighbours):
         j = near.robot[k]
         distance = math.sqrt(near.distance2[k])
-        overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
+        overlap = min(sensor + kinds.sensor_m[robots.kind[j]], last_m) - distance
         if overlap > 0.0 and distance > 0.0:
             fx -= overlap * (robots.x[j] - x) / distance
             fy -= overlap * (robots.y[j] - y) / distance
@@ -112,7 +115,7 @@ def sum_of_overlaps(
     kind = robots.kind[i]
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
     neighbours, nearest2[i] = find_neighbours(i, most, robots, grid, kinds.neighbour_range_m[kind], near)
-    fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
+    fx, fy, causes = overlaps_with_robots(i, neighbours, math.inf, robots, kinds, near)
     c = cell_of(x, y, grid)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
         dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])

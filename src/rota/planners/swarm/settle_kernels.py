@@ -91,24 +91,6 @@ def room_for_those_ahead(
 
 
 @allocation_free
-def overlaps_with_nearest(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
-    """As ``overlaps_with_robots`` has them, but no sensor reaches past the last of the neighbours.
-
-    So nothing jumps where another robot becomes the last one that counts: such jumps drove crowds to and fro for ever.
-    """
-    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
-    last_m, fx, fy, causes = math.sqrt(near.distance2[neighbours - 1]), 0.0, 0.0, 0.0
-    for k in range(neighbours):
-        j, distance = near.robot[k], math.sqrt(near.distance2[k])
-        overlap = min(sensor + kinds.sensor_m[robots.kind[j]], last_m) - distance
-        if overlap > 0.0 and distance > 0.0:
-            fx -= overlap * (robots.x[j] - x) / distance
-            fy -= overlap * (robots.y[j] - y) / distance
-            causes += 1.0
-    return fx, fy, causes
-
-
-@allocation_free
 def pushes(
     i: int, neighbours: int, crowd: bool, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any
 ) -> tuple[float, float]:
@@ -121,10 +103,8 @@ def pushes(
     far too much, and robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
-    if crowd:
-        fx, fy, causes = overlaps_with_nearest(i, neighbours, robots, kinds, near)
-    else:
-        fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
+    last_m = math.sqrt(near.distance2[neighbours - 1]) if crowd else math.inf
+    fx, fy, causes = overlaps_with_robots(i, neighbours, last_m, robots, kinds, near)
     hx, hy = area_gradient(sensor, arcs_in_ground(robots.x[i], robots.y[i], sensor, grid, arcs), arcs)
     by_walls = math.sqrt(hx * hx + hy * hy) / (4.0 * sensor)
     share = OVERLAP_SHARE * FULL_SHARE_CAUSES / max(FULL_SHARE_CAUSES, causes)
