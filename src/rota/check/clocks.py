@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rota.check.distances import segment_distances
 from rota.check.near_legs import near_ways
-from rota.check.report import Violation
+from rota.check.report import Violation, violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of
 from rota.check.tolerances import CLOCK_TOLERANCE, PARALLEL, STILL_M2_S2, TOUCH_M
 from rota.model.plan import Plan
@@ -56,17 +56,8 @@ def clock_violations(plan: Plan, margin_s: float | None) -> list[Violation]:
         return []
     if margin_s >= rules.clock_margin_s * (1 - CLOCK_TOLERANCE):
         return []
-    return [
-        Violation(
-            kind="clocks may differ",
-            who=", ".join(trajectory.robot for trajectory in plan),
-            place_m=None,
-            time_s=None,
-            value=rules.clock_margin_s,
-            limit=margin_s,
-            unit="s",
-        )
-    ]
+    who = ", ".join(trajectory.robot for trajectory in plan)
+    return [violation("clocks may differ", who, None, None, rules.clock_margin_s, margin_s, "s")]
 
 
 def _margin(routes: Routes, bodies: Floats, a: Ints, b: Ints) -> float:

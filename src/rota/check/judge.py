@@ -132,18 +132,8 @@ def too_much_excluded(
     if excluded <= limit:
         return []
     k = max(range(len(findings)), key=lambda k: findings[k].excluded_area_m2)
-    x, y, _ = findings[k].excluded_places()[0]
-    return [
-        Violation(
-            kind="unseeable",
-            who=", ".join(demands[i].name for i in range(len(findings)) if findings[i].excluded_area_m2 > 0),
-            place_m=(x, y),
-            time_s=None,
-            value=excluded,
-            limit=limit,
-            unit="m2",
-        )
-    ]
+    who = ", ".join(demands[i].name for i in range(len(findings)) if findings[i].excluded_area_m2 > 0)
+    return [violation("unseeable", who, findings[k].excluded_places()[0], None, excluded, limit, "m2")]
 
 
 def judge_points(verdicts: Verdicts, k: int, demand: DemandedGround, findings: Findings, refused: bool) -> None:
@@ -151,18 +141,7 @@ def judge_points(verdicts: Verdicts, k: int, demand: DemandedGround, findings: F
     outcome: Outcome = "not proven" if findings.undecided_cells else "met"
     if findings.worst_place_m is not None:
         outcome = "violated"
-        gap, begin = findings.worst_s, findings.worst_begin_s
-        verdicts.violations.append(
-            Violation(
-                kind="gap",
-                who=demand.name,
-                place_m=findings.worst_place_m,
-                time_s=begin if math.isfinite(begin) and math.isfinite(gap) else None,
-                value=gap,
-                limit=demand.period_s,
-                unit="s",
-            )
-        )
+        verdicts.violations.append(_late(demand, findings.worst_place_m, findings.worst_s, findings.worst_begin_s))
     elif refused and findings.excluded_area_m2 > 0:
         outcome = "violated"
     verdicts.demands.append(
@@ -189,6 +168,12 @@ def judge_points(verdicts: Verdicts, k: int, demand: DemandedGround, findings: F
     verdicts.shown_demand.append(np.full(len(shown), k, np.int64))
 
 
+def _late(demand: DemandedGround, place_m: tuple[float, float], gap_s: float, begin_s: float) -> Violation:
+    """That a gap is longer than a demand's period."""
+    time_s = begin_s if math.isfinite(begin_s) and math.isfinite(gap_s) else None
+    return violation("gap", demand.name, place_m, time_s, gap_s, demand.period_s, "s")
+
+
 def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sights, mission: Mission) -> None:
     """Add the verdict on demand number k of visits to its zone."""
     routes = sights.routes
@@ -199,17 +184,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
         standing = shapely.union_all([area.shape for area in standing_areas(mission, demand.sensors)])
         reachable = shapely.intersection(demand.region, standing)
         place = shapely.point_on_surface(demand.region if reachable.is_empty else reachable)
-        verdicts.violations.append(
-            Violation(
-                kind="gap",
-                who=demand.name,
-                place_m=(place.x, place.y),
-                time_s=begin if math.isfinite(begin) and math.isfinite(gap) else None,
-                value=gap,
-                limit=demand.period_s,
-                unit="s",
-            )
-        )
+        verdicts.violations.append(_late(demand, (place.x, place.y), gap, begin))
         verdicts.unmet_m.append(np.array([[place.x, place.y]]))
         verdicts.unmet_demand.append(np.array([k], np.int64))
     verdicts.demands.append(

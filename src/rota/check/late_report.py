@@ -58,9 +58,9 @@ class Lateness:
 
     at_s: float
     lost: tuple[str, ...]
-    demands: tuple[LateDemand, ...]
     late_m2_s: float
     holds_again_s: float | None
+    demands: tuple[LateDemand, ...]
 
     @property
     def worst(self) -> LateDemand | None:
@@ -85,32 +85,8 @@ class Lateness:
         return [*lines, f"every period holds again: {again}"]
 
 
-def lateness_to_json(lateness: Lateness) -> dict[str, Any]:
-    """The lateness as JSON values; null: for ever, or not shown."""
-
-    def finite(value: float | None) -> float | None:
-        return value if value is not None and math.isfinite(value) else None
-
-    return {
-        "at_s": lateness.at_s,
-        "lost": list(lateness.lost),
-        "late_m2_s": finite(lateness.late_m2_s),
-        "holds_again_s": lateness.holds_again_s,
-        "demands": [
-            {
-                "name": one.name,
-                "worst_s": finite(one.worst_s),
-                "worst_at_least_s": finite(one.worst_at_least_s),
-                "place_m": None if one.place_m is None else list(one.place_m),
-                "time_s": finite(one.time_s),
-            }
-            for one in lateness.demands
-        ],
-    }
-
-
 def lateness_properties() -> tuple[dict[str, Any], dict[str, Any]]:
-    """JSON schemas by name: of what ``lateness_to_json`` returns, and of each of its demands."""
+    """JSON schemas by name: of a ``Lateness``, and of each of its demands."""
     place = {"type": ["array", "null"], "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     demand = {
         "name": {"type": "string"},

@@ -57,22 +57,6 @@ def names_text(names: Sequence[str]) -> str:
     return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)
 
 
-def margin_to_json(margin: Margin) -> dict[str, Any]:
-    """A reserve as JSON values, by ``margin_properties``."""
-    return {
-        "kind": margin.kind,
-        "who": margin.who,
-        "robots": list(margin.robots),
-        "spare": margin.spare,
-        "limit": margin.limit,
-        "unit": margin.unit,
-        "share": margin.share,
-        "place_m": None if margin.place_m is None else list(margin.place_m),
-        "places": margin.places,
-        "text": margin.text(),
-    }
-
-
 def margin_properties() -> dict[str, Any]:
     """The JSON Schema of each value of a reserve."""
     return {

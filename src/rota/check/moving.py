@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.approach import gaps_at, nearest_shares
-from rota.check.report import Violation
+from rota.check.report import APART, Violation, violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import TOUCH_M
 from rota.model.mission import MovingObstacle
@@ -35,17 +35,8 @@ def moving_violations(plan: Plan) -> list[Violation]:
             closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(followed, obstacle)
             distance, time_s, place = closest
             if distance < body_m + obstacle.radius_m - TOUCH_M:
-                violations.append(
-                    Violation(
-                        kind="moving obstacle",
-                        who=f"{trajectory.robot}, moving obstacle {k + 1}",
-                        place_m=place,
-                        time_s=time_s,
-                        value=distance,
-                        limit=body_m + obstacle.radius_m,
-                        unit="m between centres",
-                    )
-                )
+                who, limit_m = f"{trajectory.robot}, moving obstacle {k + 1}", body_m + obstacle.radius_m
+                violations.append(violation("moving obstacle", who, place, time_s, distance, limit_m, APART))
     return violations
 
 

@@ -53,44 +53,29 @@ def refine(
     """
 
     def part(first: int) -> list[Findings]:
-        own = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
-        return _refine(
-            sights, pieces.choose(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few, on_the_way
-        )
+        """Findings (demands,) on pieces that are refined together, from the first on."""
+        chosen = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
+        still_open, own = pieces.choose(chosen), owners[chosen]
+        findings = [Findings() for _ in limits_s]
+        while len(still_open):
+            if on_the_way is not None:
+                on_the_way()
+            gaps = piece_gaps(sights, still_open, limits_s[own])
+            met = gaps.gaps_s <= limits_s[own]
+            _note_met(findings, sights, still_open.choose(met), own[met], gaps.gaps_s[met], gaps.firsts_s[met])
+            left = np.flatnonzero(~met)
+            level = _Level(sights, still_open.choose(left), own[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
+            level.note_samples(findings, is_seeable, finest_m)
+            chosen = level.settle(findings, is_seeable, finest_m, coarse_m, few)
+            parts = level.pieces.choose(chosen)
+            still_open, parents = quarter(parts, swath_cuts(sights, parts), 2 * sights.slack_m)
+            own = level.owners[chosen][parents]
+        return findings
 
     if len(pieces) <= MOST_TOGETHER:
         return part(0)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         return [together(parts) for parts in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
-
-
-def _refine(
-    sights: Sights,
-    pieces: Pieces,
-    owners: Ints,
-    limits_s: Floats,
-    is_seeable: IsSeeable,
-    finest_m: float,
-    coarse_m: float,
-    few: int,
-    on_the_way: Callable[[], None] | None,
-) -> list[Findings]:
-    """Findings (demands,) on pieces that are refined together; the arguments are those of ``refine``."""
-    findings = [Findings() for _ in limits_s]
-    while len(pieces):
-        if on_the_way is not None:
-            on_the_way()
-        gaps = piece_gaps(sights, pieces, limits_s[owners])
-        met = gaps.gaps_s <= limits_s[owners]
-        _note_met(findings, sights, pieces.choose(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
-        left = np.flatnonzero(~met)
-        level = _Level(sights, pieces.choose(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
-        level.note_samples(findings, is_seeable, finest_m)
-        open_pieces = level.settle(findings, is_seeable, finest_m, coarse_m, few)
-        chosen = level.pieces.choose(open_pieces)
-        pieces, parents = quarter(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
-        owners = level.owners[open_pieces][parents]
-    return findings
 
 
 def _note_met(

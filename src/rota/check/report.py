@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.holding import Holding
-from rota.check.late_report import Lateness, lateness_to_json
-from rota.check.margin_report import Margin, margin_to_json
+from rota.check.late_report import Lateness
+from rota.check.margin_report import Margin
 from rota.model.plan import RunEnd
 from rota.model.violation_kinds import ViolationKind
 
@@ -25,6 +26,7 @@ Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
 MOST_PER_ROBOT = 20  # violations of a kind that are told
 CELLS = ("entered", "of")
+APART = "m between centres"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,27 +173,9 @@ class Report:
         return pandas.DataFrame([asdict(demand) for demand in self.demands])
 
 
-def _run_end_to_json(end: RunEnd) -> dict[str, Any]:
-    return {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason, "blocked": list(end.blocked)}
-
-
-def _holding_to_json(holding: Holding) -> dict[str, Any]:
-    """What a report says of what robots hold."""
-    places = [{"x": x, "y": y, "area_m2": area_m2} for x, y, area_m2 in holding.unreached]
-    return {
-        "ground_m2": holding.ground_m2,
-        "in_range_m2": holding.in_range_m2,
-        "seen_m2": holding.seen_m2,
-        "unreached": places,
-        "importance_in_range": holding.importance_in_range,
-        "in_range_least_m2": holding.in_range_least_m2,
-        "in_range_mean_m2": holding.in_range_mean_m2,
-    }
-
-
 def report_to_json(report: Report) -> dict[str, Any]:
     """The report as JSON values, by ``report_schema``: null for "never" and at most 100 unmet points."""
-    end = report.run_end
+    holding, unmet = report.holding, zip(report.unmet_points_m, report.unmet_demand, strict=True)
     return {
         "rota_report": 1,
         "verdict": report.verdict,
@@ -201,55 +185,35 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "not_judged": list(report.not_judged),
         "first_coverage_s": report.first_coverage_s,
         "holds_from_s": report.holds_from_s,
-        "run_end": None if end is None else _run_end_to_json(end),
-        "holding": None if report.holding is None else _holding_to_json(report.holding),
-        "lateness": None if report.lateness is None else lateness_to_json(report.lateness),
-        "margins": [margin_to_json(margin) for margin in report.margins],
-        "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
-        "worst_ratio": _finite(report.worst_ratio),
-        "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
-        "demands": [
-            {
-                "name": d.name,
-                "period_s": d.period_s,
-                "demand": d.demand,
-                "area_m2": d.area_m2,
-                "worst_gap_s": _finite(d.worst_gap_s),
-                "worst_gap_at_least_s": _finite(d.worst_gap_at_least_s),
-                "unseen_area_m2": d.unseen_area_m2,
-                "excluded_area_m2": d.excluded_area_m2,
-                "excluded_places": [{"x": x, "y": y, "area_m2": area} for x, y, area in d.excluded_places],
-                "undecided_cells": d.undecided_cells,
-                "outcome": d.outcome,
-            }
-            for d in report.demands
-        ],
-        "violations": [
-            {
-                "kind": v.kind,
-                "who": v.who,
-                "place_m": None if v.place_m is None else list(v.place_m),
-                "time_s": v.time_s,
-                "value": _finite(v.value),
-                "limit": v.limit,
-                "unit": v.unit,
-                "text": v.text(),
-            }
-            for v in report.violations
-        ],
+        "run_end": _plain(report.run_end),
+        "holding": None if holding is None else _plain(holding) | {"unreached": _parts_to_json(holding.unreached)},
+        "lateness": _plain(report.lateness),
+        "margins": [_plain(one) | {"share": one.share, "text": one.text()} for one in report.margins],
+        "clock_margin_s": _plain(report.clock_margin_s),
+        "worst_ratio": _plain(report.worst_ratio),
+        "worst_ratio_at_least": _plain(report.worst_ratio_at_least),
+        "demands": [_plain(d) | {"excluded_places": _parts_to_json(d.excluded_places)} for d in report.demands],
+        "violations": [_plain(one) | {"text": one.text()} for one in report.violations],
         "unmet_points": len(report.unmet_points_m),
         "unmet_points_m": [
             {"x": float(x), "y": float(y), "demand": report.demands[int(k)].name}
-            for (x, y), k in zip(
-                report.unmet_points_m[:LISTED_POINTS], report.unmet_demand[:LISTED_POINTS], strict=True
-            )
+            for (x, y), k in itertools.islice(unmet, LISTED_POINTS)
         ],
     }
 
 
-def _finite(value: float) -> float | None:
-    """The number, or None, JSON's null, for one that JSON does not have."""
-    return value if math.isfinite(value) else None
+def _plain(value: Any) -> Any:
+    """What a report holds as JSON values: by the names of fields, None, JSON's null, for numbers that JSON has not."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if is_dataclass(value):
+        return {item.name: _plain(getattr(value, item.name)) for item in fields(value)}
+    return [_plain(part) for part in value] if isinstance(value, tuple) else value
+
+
+def _parts_to_json(parts: Iterable[tuple[float, float, float]]) -> list[dict[str, float]]:
+    """Parts of the ground, by a place in each and its area."""
+    return [{"x": x, "y": y, "area_m2": area_m2} for x, y, area_m2 in parts]
 
 
 def number_text(value: float) -> str:

@@ -17,7 +17,7 @@ from rota.check.approach import gaps_at, nearest_shares
 from rota.check.charging import undocked_routes
 from rota.check.distances import segment_distances
 from rota.check.near_legs import near_legs
-from rota.check.report import Violation
+from rota.check.report import APART, Violation, violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
 from rota.check.tolerances import SAME_TURN, TOUCH_M
 from rota.model.plan import Plan
@@ -68,17 +68,8 @@ def separation_violations(plan: Plan) -> list[Violation]:
             _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
     violations = []
     for (i, j), close in sorted(closest.items()):
-        violations.append(
-            Violation(
-                kind="bodies touch",
-                who=f"{plan.trajectories[i].robot}, {plan.trajectories[j].robot}",
-                place_m=close.place_m,
-                time_s=close.time_s,
-                value=close.distance_m,
-                limit=float(bodies[i] + bodies[j]),
-                unit="m between centres",
-            )
-        )
+        who, limit_m = f"{plan.trajectories[i].robot}, {plan.trajectories[j].robot}", bodies[i] + bodies[j]
+        violations.append(violation("bodies touch", who, close.place_m, close.time_s, close.distance_m, limit_m, APART))
     return violations
 
 
