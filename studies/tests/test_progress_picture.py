@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rota.errors import RotaError
-from rota.planning.progress import ProgressPoint, SearchState, progress_curve
+from rota.planning.progress import SearchState
+from rota_studies.progress_curve import ProgressPoint, progress_curve
 from rota_studies.progress_picture import draw_progress, progress_figure
 
 

@@ -11,6 +11,7 @@ import pytest
 from shapely import Point, box, union_all
 from tests.files.with_mass import with_mass
 from tests.live.two_robots import two_robots
+from tests.playback.container_reader import unpack
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_looked_up_s, ages_s, centres_m
 
@@ -20,7 +21,7 @@ from rota.model.mission import Obstacle
 from rota.model.plan import Plan
 from rota.playback import page
 from rota.playback.cells import NO_CELL
-from rota.playback.container import pack, unpack
+from rota.playback.container import pack
 from rota.playback.page import page_text
 from rota.playback.playback import playback_of
 

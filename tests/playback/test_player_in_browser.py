@@ -16,6 +16,7 @@ import pytest
 from tests.browser import offline_page as offline_page, until
 from tests.draw.conftest import loop
 from tests.live.two_robots import two_robots
+from tests.playback.container_reader import unpack
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_s
 from tests.relieved import relieved
@@ -23,7 +24,6 @@ from tests.relieved import relieved
 from rota import Plan, check_plan, replan
 from rota.check.batteries import batteries_of
 from rota.model.mission import MovingObstacle
-from rota.playback.container import unpack
 from rota.playback.page import page_text
 from rota.routes.flights import on_charger
 

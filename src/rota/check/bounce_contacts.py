@@ -11,7 +11,6 @@ from rota.check.bounce_floor import Floor
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.model.plan import Plan, Trajectory
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 

@@ -24,7 +24,6 @@ from rota.model.mission import Bouncing
 from rota.model.plan import Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_MOVES = 5_000_000  # of one robot

@@ -72,14 +72,9 @@ def _demands_of(
     return tuple(demands)
 
 
-def open_ground(mission: Mission) -> Any:
-    """The area without what blocks sight and without obstacles that ask nothing: all that can be demanded."""
-    return _open_ground(mission.area, mission.obstacles)
-
-
 @functools.lru_cache(maxsize=4)
 def _open_ground(area: MultiPolygon, obstacles: tuple[Obstacle, ...]) -> Any:
-    """The same, made anew."""
+    """The area without what blocks sight and without obstacles that ask nothing: all that can be demanded."""
     ground = difference(area, blocks_sight(obstacles))
     left_out = [obstacle.shape for obstacle in obstacles if obstacle.asks == "nothing"]
     return difference(ground, union_all(left_out)) if left_out else ground

@@ -24,7 +24,6 @@ from rota.model.plan import Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _ONE_AT_A_TIME = threading.Lock()
 MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together

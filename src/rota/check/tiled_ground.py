@@ -23,7 +23,6 @@ from rota.check.standing import standing_areas
 from rota.check.tolerances import PERIOD_TOLERANCE, SLIVER_SHARE, slack_of
 from rota.model.mission import DiscSensor, Mission
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FINEST_M = 0.01  # pieces are not cut below this size

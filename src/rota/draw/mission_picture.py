@@ -49,7 +49,7 @@ def demand_in_words(period_s: float | None, demand: str) -> str:
     return f"visit {period_text(period_s)}" if demand == "visit" else period_text(period_s)
 
 
-def _zone_tints(mission: Mission) -> list[str]:
+def zone_tints(mission: Mission) -> list[str]:
     """One tint per zone, the stronger the shorter its period; ground colour where nothing is asked."""
     periods_s = sorted({zone.period_s for zone in mission.zones if zone.period_s is not None}, reverse=True)
     ladder = np.linspace(0 if len(periods_s) > 1 else 1, len(ZONE_TINTS) - 1, max(1, len(periods_s))).round()
@@ -113,7 +113,7 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
     # above zones, which end at it, and below obstacles, which may stand on it
     ax.add_patch(PathPatch(outline(mission.area), facecolor="none", edgecolor=AREA_EDGE, linewidth=1.1, zorder=2.5))
     shaded = fill and draw_importance(mission, ax, ground)
-    tints = _zone_tints(mission)
+    tints = zone_tints(mission)
     order = sorted(range(len(mission.zones)), key=lambda k: -(mission.zones[k].period_s or np.inf))
     for k in order:
         zone = mission.zones[k]
@@ -146,18 +146,6 @@ def asked_everywhere(mission: Mission) -> str | None:
     """What all zones ask, where they are too many to be labelled with it one by one; None: they differ, or are few."""
     told = {demand_in_words(zone.period_s, zone.demand) for zone in mission.zones}
     return told.pop() if len(told) == 1 and len(mission.zones) > FEW_ZONES else None
-
-
-def zone_legend(mission: Mission) -> list[Patch]:
-    """Legend entries for the zones, by their tints, with what they ask; for maps on which labels would hide much."""
-    return [
-        Patch(
-            facecolor=tint,
-            edgecolor=ZONE_EDGE,
-            label=f"{plain(zone.name, 28)}, {demand_in_words(zone.period_s, zone.demand)}",
-        )
-        for zone, tint in zip(mission.zones, _zone_tints(mission), strict=True)
-    ]
 
 
 def mission_legend(mission: Mission) -> list[Patch]:

@@ -23,8 +23,6 @@ from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
-Floats = NDArray[np.float64]
-
 # frames per second: a GIF grows with each, an MP4 hardly
 FORMATS = {".gif": 8, ".mp4": 20}
 USUAL_S, LONGEST_S = 12.0, 60.0

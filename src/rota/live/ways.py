@@ -17,7 +17,6 @@ from rota.model.fleet import Robot, Sensor, inner_reach_m
 from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
-Point = tuple[float, float]
 
 DIRECTIONS = 24
 SHARES_OF_REACH = (0.98, 0.5)  # how far off a place it is looked at from

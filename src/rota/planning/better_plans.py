@@ -19,7 +19,7 @@ OnBetter = Callable[["Plan", "Report"], None]
 
 
 class BetterPlans:
-    """Tells every plan of the whole mission that is better than all before it, in the order of ``progress_curve``.
+    """Tells every plan of the whole mission that is better than all before it, in the order of ``rank``.
 
     ``best``: the last one told, with its report. on_the_way: as ``check_plan`` takes it.
 

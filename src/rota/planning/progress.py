@@ -1,8 +1,8 @@
-"""How a search goes: its share done and its time left, the states it tells of, and the best one up to each moment."""
+"""How a search goes: its share done and its time left, and the states it tells of."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -63,31 +63,12 @@ class SearchState:
 Watch = Callable[[SearchState], None]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ProgressPoint:
-    """One state, the seconds after which it was told, and the best state until then (perhaps itself)."""
-
-    time_s: float
-    state: SearchState
-    best: SearchState
-
-
-def progress_curve(told: Iterable[tuple[float, SearchState]]) -> tuple[ProgressPoint, ...]:
-    """The states in the order of their times (seconds), each beside the best so far.
+def rank(state: SearchState) -> tuple[bool, float, float]:
+    """The order of states; the best has the least.
 
     What the check passed is better than what it did not, and better with fewer robots. Among the rest that is better
-    which leaves less unseen and late, both as shares, and then what needs fewer robots. Of equals the first stays.
+    which leaves less unseen and late, both as shares, and then what needs fewer robots.
     """
-    points: list[ProgressPoint] = []
-    for time_s, state in sorted(told, key=lambda entry: entry[0]):
-        before = points[-1].best if points else state
-        best = state if rank(state) < rank(before) else before
-        points.append(ProgressPoint(time_s=time_s, state=state, best=best))
-    return tuple(points)
-
-
-def rank(state: SearchState) -> tuple[bool, float, float]:
-    """The order in which ``progress_curve`` tells states apart; the best has the least."""
     if state.met:
         return False, state.robots, 0.0
     return True, state.unseen_share + state.late_share, state.robots

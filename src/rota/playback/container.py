@@ -39,19 +39,3 @@ def pack(header: Json, arrays: Arrays) -> bytes:
     text = json.dumps({**header, "arrays": told}, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
     text += b" " * (-(HEAD.size + len(text)) % EDGE)
     return b"".join([HEAD.pack(MAGIC, VERSION, len(text)), text, *blocks])
-
-
-def unpack(data: bytes) -> tuple[Json, dict[str, NDArray[Any]]]:
-    """The header and the arrays by name; ValueError for other bytes."""
-    if len(data) < HEAD.size:
-        raise ValueError(f"{len(data)} bytes are no playback")
-    magic, version, length = HEAD.unpack_from(data)
-    if magic != MAGIC or version != VERSION:
-        raise ValueError(f"not a playback of version {VERSION}: it begins with {data[:12]!r}")
-    header = json.loads(data[HEAD.size : HEAD.size + length])
-    begin = HEAD.size + length
-    arrays = {
-        name: np.frombuffer(data, TYPES[told["type"]], told["length"], begin + told["offset"])
-        for name, told in header["arrays"].items()
-    }
-    return header, arrays

@@ -17,7 +17,6 @@ from rota.playback import kernels
 from rota.routes.flights import on_charger
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOMENTS = 400
 CELLS = 20_000

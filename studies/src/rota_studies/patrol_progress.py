@@ -18,7 +18,8 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planning.make_plan import search_plan
-from rota.planning.progress import ProgressPoint, SearchState, progress_curve
+from rota.planning.progress import SearchState
+from rota_studies.progress_curve import ProgressPoint, progress_curve
 
 PICTURES, NUMBERS = (".png", ".svg", ".pdf"), (".csv", ".json")
 OUTPUTS = PICTURES + NUMBERS

@@ -18,7 +18,8 @@ from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.plan_picture import FORMATS, UNDATED
 from rota.draw.two_maps import DPI
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.planning.progress import ProgressPoint, SearchState
+from rota.planning.progress import SearchState
+from rota_studies.progress_curve import ProgressPoint
 
 SIZE = (8.0, 5.0)  # inches
 LEAST_PERCENT = 0.01  # linear below, logarithmic above

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
 import scipy.sparse
+from benchmarks.bounce_joint_maps import map_of_sets, tell_apart
 from hypothesis import given, settings, strategies as st
 from maps import PlainTeam, typed_cells
 from scipy.sparse import csgraph
@@ -89,6 +91,20 @@ def test_cycles_and_basins_are_the_components_that_scipy_finds(robots: int, mark
         [len(list(g)) for _, g in itertools.groupby(sorted(strong[sizes > 1]))] + [1] * len(fixed)
     )
     assert found.basin.tolist() == np.bincount(found.cycle[real], minlength=len(found.length)).tolist()
+
+
+@pytest.mark.parametrize(("text", "robots"), [(SMALL, 2), ("...\n.#.", 3)])
+def test_unordered_robots_have_the_cycles_of_ordered_ones(text: str, robots: int) -> None:
+    cells = typed_cells(text)
+    team = make_team(cells, [3] * robots)
+    ordered = cycles_and_basins(joint_map(team))
+    sets = cycles_and_basins(map_of_sets(team))
+    assert len(sets.cycle) == math.comb(cells.states, robots)
+    expected = sorted(zip(ordered.length.tolist(), ordered.basin.tolist(), strict=True))
+    counts, lengths, basins = tell_apart(team, sets)
+    told = [pair for c, *pair in zip(counts, lengths, basins, strict=True) for _ in range(c)]
+    assert sorted((int(length), int(basin)) for length, basin in told) == expected
+    assert counts.max() > 1
 
 
 def test_wide_bodies_pass_only_at_their_distance() -> None:

@@ -20,7 +20,8 @@ from rota.planners.bounce.enumeration import enumerate_groups, groups_as_printed
 from rota.planners.bounce.group_count import TooMany, Work, count_groups, count_independent
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.limit_cycles import cycles_see, limit_cycles, require_watchable
-from rota.planners.bounce.monitoring import Watch, canonical, groups
+from rota.planners.bounce.monitoring import Watch, canonical
+from rota_studies.alam2020.listed_groups import groups
 
 Joint = tuple[State, ...]
 BENT = "....\n.#..\n...."

@@ -36,8 +36,6 @@ from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
 from rota.planning.checkpoint import Checkpoint
 
-Floats = NDArray[np.float64]
-
 DECIDE: dict[str, Callable[..., None]] = {
     "reciprocal": decide_reciprocal,
     "voronoi": decide_voronoi,

@@ -14,10 +14,11 @@ from rota.planners.bounce.enumeration import enumerate_groups, groups_as_printed
 from rota.planners.bounce.group_count import count_groups
 from rota.planners.bounce.inexact_plan import Kept, with_errors
 from rota.planners.bounce.limit_cycles import cycles_see, zone_cells
-from rota.planners.bounce.monitoring import Watch, groups
+from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, monitoring_plan, watch_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota_studies.alam2020 import maps
+from rota_studies.alam2020.listed_groups import groups
 from rota_studies.alam2020.runs import Runs, Watching, watching
 from rota_studies.records import drawn_ways, what
 

@@ -14,8 +14,8 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from rota.draw.mission_picture import draw_mission, mission_legend, zone_legend
-from rota.draw.palette import LineStyle
+from rota.draw.mission_picture import demand_in_words, draw_mission, mission_legend, plain, zone_tints
+from rota.draw.palette import ZONE_EDGE, LineStyle
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
 from rota.draw.zone_labels import draw_zone_labels
@@ -152,3 +152,15 @@ def _dots_entry(dots: Dots) -> Line2D:
         [], [], linestyle="", marker=dots.marker, markersize=dots.size_pt + 1.5, color=dots.colour,
         markerfacecolor=face, label=dots.label,
     )  # fmt: skip
+
+
+def zone_legend(mission: Mission) -> list[Patch]:
+    """Legend entries for the zones, by their tints, with what they ask; for maps on which labels would hide much."""
+    return [
+        Patch(
+            facecolor=tint,
+            edgecolor=ZONE_EDGE,
+            label=f"{plain(zone.name, 28)}, {demand_in_words(zone.period_s, zone.demand)}",
+        )
+        for zone, tint in zip(mission.zones, zone_tints(mission), strict=True)
+    ]
