@@ -22,13 +22,13 @@ from scipy.spatial import cKDTree
 from rota.cells.cell_map import cell_map_of, neighbours
 from rota.draw.house_style import house_style
 from rota.draw.least_left import LeastLeft, least_left_chart
-from rota.draw.legends import LEGEND_PT, axes_at
+from rota.draw.legends import BAR, scale_bar
 from rota.draw.mission_picture import FONT_PT, draw_mission, mission_legend, plain
 from rota.draw.palette import LineStyle, gap_colours, route_style
-from rota.draw.plan_picture import BAR, BAR_TEXT, FORMATS, UNDATED
-from rota.draw.two_maps import DPI, Half, two_maps
+from rota.draw.picture_file import write_picture
+from rota.draw.plan_picture import BAR_TEXT
+from rota.draw.two_maps import Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
-from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.mission import Mission
 
 Floats = NDArray[np.float64]
@@ -67,13 +67,10 @@ def draw_availability(mission: Mission, made: Availability, path: str | FilePath
 
     A file appears whole or not at all. Raises RotaError for another suffix or a folder that cannot be written to.
     """
-    with house_style():
-        if path is None:
+    if path is None:
+        with house_style():
             return availability_figure(mission, made)
-        suffix = require_suffix(path, FORMATS, "a picture")
-        figure = availability_figure(mission, made)
-        with replaced_file(path) as partial:
-            figure.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    write_picture(path, lambda: availability_figure(mission, made))
     return None
 
 
@@ -121,12 +118,8 @@ def _draw_shares(mission: Mission, made: Availability, ax: Axes) -> AxesImage:
 
 
 def _colour_bar(fig: Figure, image: AxesImage, place_in: tuple[float, float, float]) -> None:
-    x, y, width = place_in
-    bar = fig.colorbar(image, cax=axes_at(fig, x, y, width, BAR), orientation="horizontal")
+    bar = scale_bar(fig, image, place_in, "of the time, mean over the runs")
     bar.ax.xaxis.set_major_formatter(lambda share, _: f"{100 * share:.4g} %")
-    bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
-    bar.set_label("of the time, mean over the runs", fontsize=LEGEND_PT, labelpad=1.5)
-    bar.outline.set_linewidth(0.5)
 
 
 def _draw_hours(made: Availability, ax: Axes) -> None:

@@ -10,24 +10,20 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from shapely import union_all
 
 from rota.cells.entered_cells import faced_cells
-from rota.draw.entered_cells import BAR, draw_entries, entries_bar, entries_title
-from rota.draw.house_style import house_style
-from rota.draw.legends import axes_at, legend_height, place_legend
+from rota.draw.entered_cells import draw_entries, entries_bar, entries_title
+from rota.draw.legends import BAR, axes_at, legend_height, place_legend
 from rota.draw.mission_picture import draw_mission, mission_legend, outline, plain, points_per_metre
 from rota.draw.palette import OUTSIDE, route_style
-from rota.draw.plan_picture import FORMATS, UNDATED
+from rota.draw.picture_file import new_figure, write_picture
 from rota.draw.routes import routes_of
-from rota.draw.two_maps import DPI
 from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import PlanError
-from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 
@@ -82,8 +78,7 @@ def cells_figure(plan: Plan) -> Figure:
     handles = [*robots, *mission_legend(mission)]
     below = AXIS + max(legend_height(handles, wide), BAR + AXIS)
     width, height = 2 * (wide + GAP), HEADER + high + below + MARGIN
-    fig = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(fig)
+    fig = new_figure(width, height)
     x, y = GAP * 0.7, below + MARGIN
     fig.text(x / width, 1 - MARGIN / height, plain(mission.name), fontsize=12, fontweight="bold", va="top")
     left = axes_at(fig, x, y, wide, high)
@@ -104,14 +99,9 @@ def draw_cells(plan: Plan, path: str | Path) -> None:
     The file appears whole or not at all, and the same plan gives the same bytes. Raises RotaError for another suffix, a
     folder that cannot be written to, and PlanError for a plan of another planner.
     """
-    path = Path(path)
-    suffix = require_suffix(path, FORMATS, "a picture")
     rules = plan.mission.planning.bouncing
     if rules is None:
         raise PlanError(f"a plan of {plan.mission.planning.planner} has no cells to draw; one of bounce is needed")
     if rules.cell_m == 0:
         raise PlanError("a plan of robots that bounce without a grid (bounce.cells: none) has no cells to draw")
-    with house_style():
-        fig = cells_figure(plan)
-        with replaced_file(path) as partial:
-            fig.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    write_picture(path, lambda: cells_figure(plan))

@@ -9,16 +9,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from rota.draw.house_style import house_style
 from rota.draw.mission_picture import draw_mission, mission_legend, plain
 from rota.draw.palette import OVER_PERIOD
-from rota.draw.plan_picture import FORMATS, UNDATED, draw_routes
-from rota.draw.two_maps import DPI
+from rota.draw.picture_file import new_figure, write_picture
+from rota.draw.plan_picture import draw_routes
 from rota.draw.zone_labels import draw_zone_labels
-from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 
@@ -75,8 +72,7 @@ def comparison_figure(mission: Mission, panels: Sequence[Panel]) -> Figure:
     footer = FOOTER if entries else 0.0
     wide = grid.columns * (grid.width + GAP) - GAP + 2 * MARGIN
     high = HEADER + grid.rows * (PANEL_TITLE + grid.height + GAP) - GAP + footer + 2 * MARGIN
-    fig = Figure(figsize=(wide, high), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(fig)
+    fig = new_figure(wide, high)
     fig.text(MARGIN / wide, 1 - MARGIN / high, plain(mission.name), fontsize=12, fontweight="bold", va="top")
     for k, panel in enumerate(panels):
         row, column = divmod(k, grid.columns)
@@ -113,9 +109,4 @@ def draw_comparison(mission: Mission, panels: Sequence[Panel], path: str | Path)
     The file appears whole or not at all, and the same plans give the same bytes. Raises RotaError for another suffix
     or a folder that cannot be written to.
     """
-    path = Path(path)
-    suffix = require_suffix(path, FORMATS, "a picture")
-    with house_style():
-        fig = comparison_figure(mission, panels)
-        with replaced_file(path) as partial:
-            fig.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    write_picture(path, lambda: comparison_figure(mission, panels))

@@ -69,18 +69,13 @@ def turns_half(plan: Plan) -> Half:
 
 def draw_turns(plan: Plan, ax: Axes) -> None:
     """The mission, the loops and the chargers on ``ax`` in metres, and where robots are as their loops begin."""
-    draw_mission(plan.mission, ax)
-    draw_zone_labels(plan.mission, ax, [])
-    colours, many = robot_colours(plan), len(plan.trajectories) > NUMBERED_ROBOTS
-    ways = [trajectory.positions_m[trajectory.loop_index :, :2] for trajectory in plan]
-    lines = LineCollection(ways, colors=colours, linewidths=0.35 if many else 0.75, joinstyle="round", zorder=4)
-    ax.add_collection(lines, autolim=False)
+    _draw_lines(plan, ax, [trajectory.positions_m[trajectory.loop_index :, :2] for trajectory in plan])
     places_m = ends_m(plan)
     draw_chargers(plan.mission, ax)
     for k, (trajectory, spot_m) in enumerate(zip(plan, spots_of(plan, ax), strict=True)):
         if any(charge.until_s == trajectory.times_s[-1] for charge in trajectory.charges):
             places_m[k] = spot_m
-    _draw_numbers(ax, places_m, colours)
+    _draw_numbers(ax, places_m, robot_colours(plan))
 
 
 def ways_half(plan: Plan) -> Half:
@@ -98,18 +93,24 @@ def ways_half(plan: Plan) -> Half:
 
 def draw_ways(plan: Plan, ax: Axes) -> None:
     """The mission and the ways on ``ax`` in metres."""
-    draw_mission(plan.mission, ax)
-    draw_zone_labels(plan.mission, ax, [])
     colours, many = robot_colours(plan), len(plan.trajectories) > NUMBERED_ROBOTS
     ways = [trajectory.positions_m[:, :2] for trajectory in plan]
-    lines = LineCollection(ways, colors=colours, linewidths=0.35 if many else 0.75, joinstyle="round", zorder=4)
-    ax.add_collection(lines, autolim=False)
+    _draw_lines(plan, ax, ways)
     edge, size = (0.3, 1.0) if many else (0.8, 9.0)
     starts = np.array([way[0] for way in ways])
     ax.scatter(
         starts[:, 0], starts[:, 1], s=size, marker="s", c="white", edgecolors=colours, linewidths=edge, zorder=4.5
     )
     _draw_numbers(ax, ends_m(plan), colours)
+
+
+def _draw_lines(plan: Plan, ax: Axes, ways_m: list[Floats]) -> None:
+    """Draw the mission and a way (n, 2) of each robot."""
+    draw_mission(plan.mission, ax)
+    draw_zone_labels(plan.mission, ax, [])
+    width = 0.35 if len(ways_m) > NUMBERED_ROBOTS else 0.75
+    lines = LineCollection(ways_m, colors=robot_colours(plan), linewidths=width, joinstyle="round", zorder=4)
+    ax.add_collection(lines, autolim=False)
 
 
 def _draw_numbers(ax: Axes, places_m: Floats, colours: list[str]) -> None:

@@ -13,13 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from rota.cells.entered_cells import entries_of_cells
-from rota.draw.legends import LEGEND_PT, axes_at
+from rota.draw.legends import BAR, scale_bar
 from rota.draw.mission_picture import draw_mission, frame, mission_legend
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.plan import Plan
 
-BAR, BAR_TEXT = 0.13, 0.3  # inches
+BAR_TEXT = 0.3  # inches
 MOST_LINEAR = 20  # entries of a cell, up to which colours are even steps; beyond, even factors
 TICKS = 5
 
@@ -46,11 +46,9 @@ def entries_bar(fig: Figure, image: AxesImage, x: float, y: float, width: float)
     ticks = sorted({round(value) for value in np.linspace(min(1, most), most, TICKS)})
     if most > MOST_LINEAR:
         ticks = [value * 10**k for k in range(6) for value in (1, 2, 5) if value * 10**k <= most]
-    bar = fig.colorbar(image, cax=axes_at(fig, x, y, width, BAR), orientation="horizontal")
+    bar = scale_bar(fig, image, (x, y, width))
     bar.set_ticks(ticks, labels=[f"{value:,}" for value in ticks])
     bar.ax.minorticks_off()
-    bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
-    bar.outline.set_linewidth(0.5)
 
 
 def entries_title(plan: Plan) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 LEGEND_PT = 7.5
-LEGEND_ROW = 0.175  # inches
+LEGEND_ROW, BAR = 0.175, 0.13  # inches
 
 
 def _columns(entries: Sequence[Artist], width: float) -> int:
@@ -46,3 +49,15 @@ def axes_at(fig: Figure, x: float, y: float, width: float, height: float) -> Axe
     """Axes whose lower left corner is at x, y and whose size is width by height, all in inches."""
     wide, high = fig.get_size_inches()
     return fig.add_axes((x / wide, y / high, width / wide, height / high))
+
+
+def scale_bar(
+    fig: Figure, image: AxesImage, place_in: tuple[float, float, float], label: str = "", **how: Any
+) -> Colorbar:
+    """The scale of an image's colours, its lower left corner at x, y inches, so wide; how: as matplotlib takes it."""
+    bar = fig.colorbar(image, cax=axes_at(fig, *place_in, BAR), orientation="horizontal", **how)
+    bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
+    bar.outline.set_linewidth(0.5)
+    if label:
+        bar.set_label(label, fontsize=LEGEND_PT, labelpad=1.5)
+    return bar

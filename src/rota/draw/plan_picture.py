@@ -14,22 +14,19 @@ from rota.draw.deployment_maps import is_deployment, range_half, turns_half, way
 from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
-from rota.draw.legends import LEGEND_PT, axes_at
+from rota.draw.legends import BAR, scale_bar
 from rota.draw.mission_picture import asked_everywhere, draw_mission, mission_legend, period_text
+from rota.draw.picture_file import write_picture
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
-from rota.draw.two_maps import DPI, Half, two_maps
+from rota.draw.two_maps import Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
-from rota.files.atomic_write import replaced_file, require_suffix
 from rota.model.plan import Plan
 from rota.planning.plan_summary import cost_in_words
 from rota.routes.flights import takes_turns
 
-FORMATS = (".png", ".svg", ".pdf")
-UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}
-
 TURNS_TITLE = "Loops that robots take turns at, lettered where these come to them"
-BAR, BAR_TEXT = 0.13, 0.42  # inches
+BAR_TEXT = 0.42  # inches
 
 
 def _header(plan: Plan) -> str:
@@ -54,12 +51,8 @@ def _header(plan: Plan) -> str:
 
 
 def _colour_bar(fig: Figure, image: AxesImage, x: float, y: float, width: float) -> None:
-    cax = axes_at(fig, x, y, width, BAR)
-    bar = fig.colorbar(image, cax=cax, orientation="horizontal", extend="max", extendfrac=0.06)
+    bar = scale_bar(fig, image, (x, y, width), "worst gap / period", extend="max", extendfrac=0.06)
     bar.set_ticks([0, 0.25, 0.5, 0.75, 1.0], labels=["0", "0.25", "0.5", "0.75", "1.0 = limit"])
-    bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
-    bar.set_label("worst gap / period", fontsize=LEGEND_PT, labelpad=1.5)
-    bar.outline.set_linewidth(0.5)
 
 
 def draw_routes(plan: Plan, ax: Axes) -> None:
@@ -134,10 +127,5 @@ def draw_plan(plan: Plan, path: str | FilePath | None = None, *, ax: Axes | None
     if path is None:
         with house_style():
             return plan_figure(plan)
-    path = FilePath(path)
-    suffix = require_suffix(path, FORMATS, "a picture")
-    with house_style():
-        fig = plan_figure(plan)
-        with replaced_file(path) as partial:
-            fig.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    write_picture(path, lambda: plan_figure(plan))
     return None

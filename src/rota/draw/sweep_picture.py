@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rota.draw.house_style import house_style
 from rota.draw.mission_picture import plain
 from rota.draw.palette import OVER_PERIOD, route_style
-from rota.draw.two_maps import DPI
-from rota.files.atomic_write import replaced_file
+from rota.draw.picture_file import write_picture
 from rota.sweep.summary import Summary, measures_of, show_value
 
 TITLES = {
@@ -34,19 +32,11 @@ def draw_sweep(found: Sequence[Summary], folder: Path) -> list[str]:
     Each file appears whole or not at all. Raises RotaError where one cannot be written.
     """
     written = ["summary.png"]
-    with house_style():
-        _write(summary_figure(found), folder / written[0])
-        for field in numeric_fields(found):
-            name = f"by-{''.join(mark if mark.isalnum() or mark in '._-' else '-' for mark in field)}.png"
-            _write(field_figure(found, field), folder / name)
-            written.append(name)
+    write_picture(folder / written[0], lambda: summary_figure(found))
+    for field in numeric_fields(found):
+        written.append(f"by-{''.join(mark if mark.isalnum() or mark in '._-' else '-' for mark in field)}.png")
+        write_picture(folder / written[-1], partial(field_figure, found, field))
     return written
-
-
-def _write(figure: Figure, path: Path) -> None:
-    FigureCanvasAgg(figure)
-    with replaced_file(path) as partial:
-        figure.savefig(partial, format="png", dpi=DPI)
 
 
 def numeric_fields(found: Sequence[Summary]) -> list[str]:

@@ -8,14 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rota.draw.legends import axes_at, legend_height, place_legend
 from rota.draw.mission_picture import plain
+from rota.draw.picture_file import new_figure
 from rota.model.mission import Mission
-
-DPI = 160
 
 # inches
 MARGIN, GAP, HEADER, PANEL_TITLE, AXIS = 0.12, 0.35, 0.55, 0.24, 0.42
@@ -103,8 +101,7 @@ def two_maps(mission: Mission, header: str, left: Half, right: Half, chart: Char
         height = HEADER + block + max(below) + 2 * MARGIN
         width = 2 * (Y_AXIS + layout.column) + GAP + 2 * MARGIN
     height += _chart_height(chart, width) if chart is not None else 0.0
-    fig = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(fig)
+    fig = new_figure(width, height)
     x, top = MARGIN + Y_AXIS, height - MARGIN
     fig.text(x / width, top / height, plain(mission.name), fontsize=12, fontweight="bold", va="top")
     fig.text(x / width, (top - 0.27) / height, header, fontsize=9, va="top", color="#333333")

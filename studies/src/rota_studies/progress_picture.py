@@ -7,17 +7,13 @@ from pathlib import Path
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from rota.draw.house_style import house_style
 from rota.draw.mission_picture import plain
 from rota.draw.palette import ROUTE_COLOURS
-from rota.draw.plan_picture import FORMATS, UNDATED
-from rota.draw.two_maps import DPI
-from rota.files.atomic_write import replaced_file, require_suffix
+from rota.draw.picture_file import new_figure, write_picture
 from rota.planning.progress import SearchState
 from rota_studies.progress_curve import ProgressPoint
 
@@ -34,8 +30,7 @@ def progress_figure(points: Sequence[ProgressPoint], *, title: str, bound: int |
 
     bound: robots below which no plan exists, or None. search_s: seconds until the search ended.
     """
-    fig = Figure(figsize=SIZE, dpi=DPI, facecolor="white")
-    FigureCanvasAgg(fig)
+    fig = new_figure(*SIZE)
     above, below = fig.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (2.2, 1), "hspace": 0.09})
     fig.subplots_adjust(left=0.085, right=0.78, top=0.9, bottom=0.1)
     fig.text(0.085, 0.965, plain(title), fontsize=11, fontweight="bold", va="top")
@@ -131,9 +126,4 @@ def draw_progress(
     The file appears whole or not at all, and the same points give the same bytes. Raises RotaError for another suffix
     or a folder that cannot be written to.
     """
-    path = Path(path)
-    suffix = require_suffix(path, FORMATS, "a picture")
-    with house_style():
-        fig = progress_figure(points, title=title, bound=bound, search_s=search_s)
-        with replaced_file(path) as partial:
-            fig.savefig(partial, format=suffix[1:], dpi=DPI, metadata=UNDATED.get(suffix))
+    write_picture(path, lambda: progress_figure(points, title=title, bound=bound, search_s=search_s))

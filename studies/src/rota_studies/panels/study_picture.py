@@ -19,7 +19,7 @@ from rota.draw.house_style import house_style
 from rota.draw.legends import axes_at, legend_height, place_legend
 from rota.draw.mission_picture import plain
 from rota.draw.palette import GROUND, OBSTACLE, OUTSIDE, OVER_PERIOD, ROUTE_COLOURS, ZONE_EDGE, ZONE_TINTS
-from rota.draw.plan_picture import UNDATED
+from rota.draw.picture_file import UNDATED
 from rota_studies.panels.cells_panel import HEAT, HeatPanel
 from rota_studies.panels.curve_panel import CurvePanel
 from rota_studies.panels.map_panel import MapPanel
