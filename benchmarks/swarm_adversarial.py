@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from benchmarks.row import Options, Row
 from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.state import Hearing, Rule
 from rota.planners.swarm.world import kinds_of
 

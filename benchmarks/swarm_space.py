@@ -17,7 +17,7 @@ from benchmarks.swarm_step import speedup_row
 from rota.files.mission_file import read_mission
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.state import Rule

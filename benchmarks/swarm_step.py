@@ -19,8 +19,9 @@ from benchmarks.shell import rota, run
 from rota.planners.swarm.deciding import FEWEST_IN_BLOCKS, Controller
 from rota.planners.swarm.planner import ALL_NEIGHBOURS
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 

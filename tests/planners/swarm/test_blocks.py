@@ -19,7 +19,8 @@ from rota.planners.swarm.reciprocal_block_kernels import (
     decide_in_blocks,
 )
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.state import Decisions, FleetKinds, Snapshot
 from rota.planners.swarm.world import kinds_of, moving_at, widest_m
 

@@ -8,7 +8,7 @@ from shapely import MultiPolygon, box
 
 from rota.planners.swarm.free_ground_kernels import FREE_BELOW, HELD_FROM, load_with_all, pass_on_distances
 from rota.planners.swarm.place_graph import place_graph_of
-from rota.planners.swarm.rollout import have_arrived, room_for
+from rota.planners.swarm.sorted_robots import have_arrived, room_for
 from rota.planners.swarm.world import kinds_of, walls_of
 
 KINDS, _ = kinds_of(1, body_m=0.0, sensor_m=10.0, speed_m_s=1.0, neighbour_range_m=20.0, wall_range_m=10.0)

@@ -13,7 +13,7 @@ from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered, t
 from tests.seeds import seeds
 
 from rota.planners.swarm.planner import ALL_NEIGHBOURS
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.space_set_kernels import MOST_PLANES, centroid_in_ball

@@ -20,8 +20,8 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import make_swarm, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.sentences import covered_sentence, holding_sentence
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 from rota.planning.make_plan import search_plan

@@ -26,9 +26,10 @@ from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rest import blocked_robots, last_change_of, longest_rest_m, steps_at_rest
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
 from rota.planners.swarm.sensing import bands_of, sensors_of, squares_of
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import passable_reserve_m, place_starts, require_short_steps, spare_room_m
 from rota.planners.swarm.state import FleetKinds, Rule

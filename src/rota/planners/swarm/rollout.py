@@ -9,48 +9,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rota.cells.importance_cells import ImportanceCells
-from rota.errors import CheckpointError, MissionError
+from rota.errors import MissionError
 from rota.model.mission import MovingObstacle
-from rota.planners.swarm.deciding import Controller, Deciding, deciding_room
+from rota.planners.swarm.deciding import Controller, Deciding
 from rota.planners.swarm.delayed_news_kernels import load_with_told
-from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances, settle_distances
-from rota.planners.swarm.kernels import move, move_and_sort
+from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
+from rota.planners.swarm.kernels import move
 from rota.planners.swarm.messages import Messages, most_unheard_m
-from rota.planners.swarm.settle_kernels import decide_settle, note_wishes
-from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Guide, Kinds, PlaceGraph, Robots, Snapshot
+from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.sorted_robots import Beginning, SortedRobots
+from rota.planners.swarm.state import Decisions, FleetKinds, Guide, Kinds, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 FEWEST_UNSORTED, STEPS_UNSORTED = 10_000, 4  # so many robots are sorted after so many of their longest steps only
-
-
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """Where n robots begin: at their starts, or in the middle of a run that goes on; d is 2, in space 3.
-
-    places_m: (n, d). velocities_m_s: (n, d) before the first step; None: at rest. The rest tells of the run so far.
-    names: (n,) the numbers in the fleet of those at places_m, in the order in which they stood in ``Swarm.robots``;
-    None: 0 to n - 1. steps: how many the run has made. past, news_m: ``Swarm.past`` and ``Swarm.news_m`` then; None:
-    nothing has been told.
-    """
-
-    places_m: Floats
-    velocities_m_s: Floats | None = None
-    names: Ints | None = None
-    steps: int = 0
-    past: Floats | None = None
-    news_m: Floats | None = None
-
-    @property
-    def known_velocities_m_s(self) -> Floats:
-        """(n, d) velocities, 0 where none are given."""
-        return np.zeros(self.places_m.shape) if self.velocities_m_s is None else self.velocities_m_s
-
-    @property
-    def known_names(self) -> Ints:
-        """(n,) numbers in the fleet, a copy."""
-        return np.arange(len(self.places_m), dtype=np.int64) if self.names is None else self.names.copy()
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +38,7 @@ class Surroundings:
     importance: ImportanceCells | None = None
 
 
-class Swarm:
+class Swarm(SortedRobots):
     """n robots, their places and velocities; ``step`` moves them. The same on any number of threads, bit for bit.
 
     Robots may leave and join between two steps; those that have left are nobody's neighbours any more. Raises
@@ -81,46 +54,26 @@ class Swarm:
         *,
         threads: int = 1,
     ) -> None:
-        n, names = len(beginning.places_m), beginning.known_names
-        kinds, kind = fleet
+        n, (kinds, kind) = len(beginning.places_m), fleet
         walls, decide, rule, hearing = surroundings.walls, controller.decide, controller.rule, controller.hearing
-        self.steps = beginning.steps
         self.moving = surroundings.moving
         self.guide: Guide | None = None
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
-        self._slack_m, self._unsorted_m = _slack_m(kinds, n, rule.time_step_s), 0.0
-        self.grid: Grid = make_grid(
+        self._slack_m = _slack_m(kinds, n, rule.time_step_s)
+        grid = make_grid(
             walls, kinds, n, rule.time_step_s, unheard_m + self._slack_m,
             importance=surroundings.importance, mapped=decide is decide_settle,
         )  # fmt: skip
-        if beginning.news_m is not None:
-            news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
-            self.grid.place_graph.away_m[self.steps % 2] = news_m
-        self.kinds, self.rule = with_absent(kinds), rule
         self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
-        starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
-        x, y, vx, vy = (np.array(values, np.float64) for values in starts)
-        self._robots = Robots(x, y, vx, vy, self._present_kind[names], names, self._member_kinds)
-        self._spare = room_for(n, self._member_kinds)
-        self._cell = np.empty(n, np.int64)
-        self._nearest2 = np.empty(n)
+        super().__init__(beginning, FleetKinds(with_absent(kinds), self._present_kind), self._member_kinds, grid, rule)
         reach_m = widest_m(kinds, rule.time_step_s) + unheard_m
         self._deciding = Deciding(controller, self.kinds, n, reach_m, threads)
         self._messages = None
         if hearing is not None:
             step_m = kinds.speed_m_s[self._present_kind] * rule.time_step_s
-            told = np.stack([self._in_order(x, y), self._in_order(vx, vy)])
-            told = told if beginning.past is None else beginning.past
+            told = np.stack([self.places_m, self.velocities_m_s]) if beginning.past is None else beginning.past
             self._messages = Messages(hearing, step_m, told, len(self._deciding.chunks))
         self._sort(0.0)
-
-    def __len__(self) -> int:
-        return len(self._cell)
-
-    @property
-    def robots(self) -> Robots:
-        """The state in the order of the grid; only to look at, and only until the next step."""
-        return self._robots
 
     @property
     def sensors_m(self) -> Floats:
@@ -134,25 +87,10 @@ class Swarm:
         """(h, 4, n): places and velocities that messages may still tell; none where everybody knows all."""
         return np.empty((0, 4, len(self))) if self._messages is None else self._messages.past.copy()
 
-    @property
-    def news_m(self) -> Floats:
-        """(k,): how far it is to free ground from each place of the map, as told; of "settle" only, else k = 0."""
-        return np.array(self.grid.place_graph.away_m[self.steps % 2])
-
-    @property
-    def news_rest(self) -> bool:
-        """Whether news of all free ground have arrived; see ``have_arrived``."""
-        return have_arrived(self.steps, self.grid.place_graph)
-
     def learn_of_free_ground(self) -> None:
         """Let places tell, from now on, what is free round robots where they are; of a run that was not followed."""
         load_with_all(self._robots, self.kinds, self.grid.place_graph)
         pass_on_distances(self.steps + 1, self.grid.place_graph)  # what is told at even or odd steps, as this one is
-
-    def wishes_m(self) -> Floats:
-        """(n,) in the order of the fleet: how far robots that settle would go in a step if nothing held them."""
-        moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
-        return wishes_of(Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule))
 
     @property
     def present(self) -> NDArray[np.bool_]:
@@ -277,44 +215,6 @@ class Swarm:
         self._robots = decided
         return self._sort(self.rule.time_step_s)
 
-    def _sort(self, time_step_s: float) -> float:
-        """Move the robots for that time and sort them by cell; returns the longest way in metres."""
-        farthest2 = move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
-        self._robots, self._spare = self._spare, self._robots
-        self._unsorted_m = 0.0
-        return float(np.sqrt(farthest2))
-
-    def _in_order(self, x: Floats, y: Floats) -> Floats:
-        """(n, 2) values in the order of the fleet, from two (n,) in the order of the grid."""
-        return in_fleet_order(self._robots, x, y)
-
-
-def have_arrived(step: int, graph: PlaceGraph) -> bool:
-    """Whether at a step all places from which a way leads to free ground tell how long it is.
-
-    What others tell is old: of ground that has been taken since. It goes round for long and is not waited for.
-    """
-    settled = settled_news(step, graph)
-    return bool(((settled >= graph.far_m) | (settled == graph.away_m[step % 2])).all())
-
-
-def settled_news(step: int, graph: PlaceGraph) -> Floats:
-    """(k,): what places will tell of free ground if nobody moves any more."""
-    settled = np.empty(len(graph.x))
-    settle_distances(step, graph, settled)
-    return settled
-
-
-def wishes_of(snapshot: Snapshot) -> Floats:
-    """(n,) in the order of the fleet: how far each wants to go once all news have arrived; see ``note_wishes``."""
-    wishes, in_order = np.empty(len(snapshot.robots.x)), np.empty(len(snapshot.robots.x))
-    graph = snapshot.grid.place_graph
-    graph = graph._replace(away_m=np.tile(settled_news(snapshot.step, graph), (2, 1)))
-    snapshot = snapshot._replace(grid=snapshot.grid._replace(place_graph=graph))
-    note_wishes(snapshot, wishes, deciding_room(snapshot.rule))
-    in_order[snapshot.robots.name] = wishes
-    return in_order
-
 
 def _slack_m(kinds: Kinds, n: int, time_step_s: float) -> float:
     """How far n robots may go before they are sorted again: 0, so that they are after each step, where they are few.
@@ -322,24 +222,3 @@ def _slack_m(kinds: Kinds, n: int, time_step_s: float) -> float:
     Cells are wider by that, so that all near robots are in the cells round about all the same.
     """
     return STEPS_UNSORTED * float(kinds.speed_m_s.max()) * time_step_s if n >= FEWEST_UNSORTED else 0.0
-
-
-def require_places(news_m: Floats, places: int) -> Floats:
-    """The numbers (k,) of places; raises CheckpointError where their count is another."""
-    if len(news_m) != places:
-        raise CheckpointError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
-    return news_m
-
-
-def room_for(n: int, member_kinds: int) -> Robots:
-    """A state of n robots that is yet to be written."""
-    x, y, vx, vy = np.empty((4, n))
-    return Robots(x, y, vx, vy, np.empty(n, np.int64), np.empty(n, np.int64), member_kinds)
-
-
-def in_fleet_order(robots: Robots, x: Floats, y: Floats) -> Floats:
-    """(n, 2) values in the order of the fleet, of x and y, (n,) each, in the order of the state."""
-    values = np.empty((len(robots.name), 2))
-    values[robots.name, 0] = x
-    values[robots.name, 1] = y
-    return values

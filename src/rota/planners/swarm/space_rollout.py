@@ -9,16 +9,8 @@ from rota.cells.importance_cells import ImportanceCells
 from rota.planners.swarm.chunks import Chunks
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
-from rota.planners.swarm.kernels import move_and_sort
-from rota.planners.swarm.rollout import (
-    Beginning,
-    have_arrived,
-    in_fleet_order,
-    require_places,
-    room_for,
-    wishes_of,
-)
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.sorted_robots import Beginning, SortedRobots
 from rota.planners.swarm.space_kernels import (
     Bands,
     Heights,
@@ -30,14 +22,14 @@ from rota.planners.swarm.space_kernels import (
     filter_in_space,
 )
 from rota.planners.swarm.space_set_kernels import MOST_PLANES
-from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Robots, Rule, Snapshot
+from rota.planners.swarm.state import Decisions, FleetKinds, Rule, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at
 
 Floats = NDArray[np.float64]
 FEWEST_PER_CHUNK = 16  # robots whose decisions take about as long as it takes to wake a thread
 
 
-class SpaceSwarm:
+class SpaceSwarm(SortedRobots):
     """n robots in space, bodies and velocities balls; ``step`` moves them. The same on any number of threads.
 
     beginning: places (n, 3) in the bands, whose heights may be equal; robots in space tell each other nothing of
@@ -62,34 +54,18 @@ class SpaceSwarm:
         safe: bool = True,
         threads: int = 1,
     ) -> None:
-        n, names = len(beginning.places_m), beginning.known_names
-        kinds, kind = fleet
-        self.steps, self.rule, self.kinds = beginning.steps, rule, kinds
-        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, importance=importance, mapped=settles)
-        if beginning.news_m is not None:
-            news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
-            self.grid.place_graph.away_m[self.steps % 2] = news_m
+        n, names, (kinds, kind) = len(beginning.places_m), beginning.known_names, fleet
+        grid = make_grid(walls, kinds, n, rule.time_step_s, importance=importance, mapped=settles)
+        super().__init__(beginning, FleetKinds(kinds, kind.astype(np.int64)), len(kinds.body_m), grid, rule)
         self._bands, self._safe, self._settles = bands, safe, settles
         self._full_m = np.asarray(full_m, np.float64)
-        starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
-        x, y, z, vx, vy, vz = (np.array(values, np.float64) for values in starts)
-        self._robots = Robots(x, y, vx, vy, kind.astype(np.int64)[names], names, len(kinds.body_m))
-        self._spare = room_for(n, len(kinds.body_m))
         self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)
-        self._heights.z[names], self._heights.vz[names] = z, vz
-        self._cell, self._nearest2 = np.empty(n, np.int64), np.empty(n)
+        self._heights.z[names] = beginning.places_m[:, 2]
+        self._heights.vz[names] = beginning.known_velocities_m_s[:, 2]
         self._chunks = Chunks(n, threads, FEWEST_PER_CHUNK)
         rooms = [deciding_room(rule) for _ in range(len(self._chunks))]
         self._rooms = [(SpaceRoom(r.near, np.empty((MOST_PLANES, 4)), r.outline, r.spare), r) for r in rooms]
         self._sort(0.0)
-
-    def __len__(self) -> int:
-        return len(self._cell)
-
-    @property
-    def robots(self) -> Robots:
-        """The state in the plane in the order of the grid; only to look at, and only until the next step."""
-        return self._robots
 
     @property
     def past(self) -> Floats:
@@ -97,29 +73,14 @@ class SpaceSwarm:
         return np.empty((0, 4, len(self)))
 
     @property
-    def news_m(self) -> Floats:
-        """(k,): how far it is to free ground from each place of the map, as told; k = 0 unless robots settle."""
-        return np.array(self.grid.place_graph.away_m[self.steps % 2])
-
-    @property
-    def news_rest(self) -> bool:
-        """Whether news of all free ground have arrived; see ``have_arrived``."""
-        return have_arrived(self.steps, self.grid.place_graph)
-
-    def wishes_m(self) -> Floats:
-        """(n,) in the order of the fleet: how far robots that settle would go in the plane if nothing held them."""
-        moving = moving_at((), 0.0, self.rule.time_step_s)
-        return wishes_of(Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule))
-
-    @property
     def places_m(self) -> Floats:
         """(n, 3) in the order of the fleet."""
-        return self._in_order(self._robots.x, self._robots.y, self._heights.z)
+        return np.column_stack([self._in_order(self._robots.x, self._robots.y), self._heights.z])
 
     @property
     def velocities_m_s(self) -> Floats:
         """(n, 3) of the last step, in the order of the fleet."""
-        return self._in_order(self._robots.vx, self._robots.vy, self._heights.vz)
+        return np.column_stack([self._in_order(self._robots.vx, self._robots.vy), self._heights.vz])
 
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
@@ -158,12 +119,3 @@ class SpaceSwarm:
                 filter_in_space(begin, end, snapshot, decisions)
 
         self._chunks.run(decide_part)
-
-    def _sort(self, time_step_s: float) -> None:
-        """Move the robots in the plane for that time and sort them by cell."""
-        move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
-        self._robots, self._spare = self._spare, self._robots
-
-    def _in_order(self, x: Floats, y: Floats, of_fleet: Floats) -> Floats:
-        """(n, 3) values in the order of the fleet; x, y (n,) in that of the grid, of_fleet: in that of the fleet."""
-        return np.column_stack([in_fleet_order(self._robots, x, y), of_fleet])

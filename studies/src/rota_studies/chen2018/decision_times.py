@@ -13,7 +13,7 @@ from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.starts import place_starts
 from rota_studies.chen2018 import maps, paper
 from rota_studies.chen2018.runs import COMPARED, EXACT, FORCES, SAMPLED, VORONOI, Controller, Runs

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rota.geometry.free_space import free_ground
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota_studies.chen2018 import maps, paper
 from rota_studies.chen2018.runs import Controller, Runs, what
 

@@ -12,7 +12,7 @@ from rota.planners.swarm.baseline_kernels import STIFFNESS, virtual_force
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.starts import place_starts
 from rota_studies.chen2018 import maps, paper
 from rota_studies.chen2018.runs import FORCES, Runs, what

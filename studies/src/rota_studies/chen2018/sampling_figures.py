@@ -14,7 +14,7 @@ from rota.draw.palette import ROUTE_COLOURS
 from rota.geometry.free_space import free_ground
 from rota.model.mission import Mission
 from rota.planners.swarm.planner import make_swarm, run_mission
-from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.sorted_robots import Beginning
 from rota_studies.chen2018 import maps, paper
 from rota_studies.chen2018.runs import EXACT, SAMPLED, Runs, places_at_steps, what
 from rota_studies.chen2018.velocity_set import VelocitySet

@@ -19,8 +19,8 @@ from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.scene import Scene, scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
 from rota.planners.swarm.planner import make_swarm
-from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.sensing import sensors_of
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planners.swarm.state import Decisions, Room, Snapshot
 from rota.planners.swarm.world import moving_at
 

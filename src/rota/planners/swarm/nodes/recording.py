@@ -20,8 +20,9 @@ from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, Telling, read_telling
 from rota.planners.swarm.presence import holding_from_joining
 from rota.planners.swarm.rest import blocked_robots, longest_rest_m
-from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
+from rota.planners.swarm.rollout import Surroundings, Swarm
 from rota.planners.swarm.sensing import sensors_of, squares_of
+from rota.planners.swarm.sorted_robots import Beginning
 from rota.planning.robot_processes import HeightAt, RobotRecord, SwarmRecord, level
 
 REST_S = 2.0  # a swarm that has not moved for so long is at rest
