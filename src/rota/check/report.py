@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
 MOST_PER_ROBOT = 20  # violations of a kind that are told
-CELLS = ("entered", "of")
 APART = "m between centres"
 
 
@@ -181,7 +180,9 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "verdict": report.verdict,
         "robots": report.robots,
         "lower_bound_robots": report.lower_bound_robots,
-        "cells": None if report.cells_entered is None else dict(zip(CELLS, report.cells_entered, strict=True)),
+        "cells": None
+        if report.cells_entered is None
+        else dict(zip(("entered", "of"), report.cells_entered, strict=True)),
         "not_judged": list(report.not_judged),
         "first_coverage_s": report.first_coverage_s,
         "holds_from_s": report.holds_from_s,
