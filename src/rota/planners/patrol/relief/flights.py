@@ -43,8 +43,11 @@ def _job_line(job: Job, slot: Slot, own: Handovers, ways: Ways) -> tuple[float, 
     begins_phase_s, slower = float(own.phases_s[job.handover]), slot.slower(shift.round_s)
     ends = own.at_phase(begins_phase_s + shift.rounds * line.duration_s, line.duration_s)
     way_s = float(own.ways_s[job.handover])
-    into = ways.into(charger_m, line, begins_phase_s, slower, way_s)
-    back = ways.back(charger_m, line, float(own.phases_s[ends]), slower, float(own.ways_s[ends]))
+    if own.passing is not None:
+        into, back = own.passing
+    else:
+        into = ways.into(charger_m, line, begins_phase_s, slower, way_s)
+        back = ways.back(charger_m, line, float(own.phases_s[ends]), slower, float(own.ways_s[ends]))
     served = _rounds_at(slot, shift.rounds, shift.round_s, begins_phase_s)
     comes_s = into.duration_s
     times_s = np.concatenate([into.times_s, comes_s + served.times_s, comes_s + shift.serves_s + back.times_s])

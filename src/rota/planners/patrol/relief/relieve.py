@@ -130,8 +130,8 @@ class _Team:
         self._mission, self._slots = mission, slots
         self._robot = mission.fleet.equal_robot("robot-1")
         self._ways = ways
-        self._handovers = handovers_of(slots, mission.chargers, ways)
         self._clearance_s = clearance_of(mission)
+        self._handovers = handovers_of(slots, mission.chargers, ways, self._clearance_s)
         slots = slots if self._robot.battery.can_stand else [_for_wings(slot) for slot in slots]
         # who comes from a charger to a place beside it has not been there unless it stays for a moment
         self._slots = [

@@ -57,12 +57,16 @@ class Slot:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Handovers:
-    """Where robots may change at a slot: phases_s (k,) of the round, places_m (k, 2), and ways_s (k,) to a charger."""
+    """Where robots may change at a slot: phases_s (k,) of the round, places_m (k, 2), and ways_s (k,) to a charger.
+
+    passing: the ways to a post and back, on which robots with bodies pass each other; None: they do not.
+    """
 
     charger: Charger
     phases_s: Floats
     places_m: Floats
     ways_s: Floats
+    passing: tuple[TimedLine, TimedLine] | None = None
 
     @property
     def nearest(self) -> int:
@@ -165,8 +169,13 @@ def asked_periods_s(mission: Mission) -> list[float]:
     return sorted({p for p in (mission.period_s, *(zone.period_s for zone in mission.zones)) if p is not None})
 
 
-def handovers_of(slots: Sequence[Slot], chargers: Sequence[Charger], ways: Ways) -> list[list[Handovers]]:
-    """Of each slot, for each charger, where robots may change; inf where no path leads, or walls leave no room."""
+def handovers_of(
+    slots: Sequence[Slot], chargers: Sequence[Charger], ways: Ways, clearance_s: float
+) -> list[list[Handovers]]:
+    """Of each slot, for each charger, where robots may change; inf where no path leads, or walls leave no room.
+
+    clearance_s: how long after each other robots with bodies are at a post of which one relieves the other.
+    """
     spots = [spots_s(slot.line) for slot in slots]
     places = [slot.line.at(phases_s) for slot, phases_s in zip(slots, spots, strict=True)]
     chargers_m = np.array([charger.at for charger in chargers])
@@ -174,13 +183,27 @@ def handovers_of(slots: Sequence[Slot], chargers: Sequence[Charger], ways: Ways)
         ways.last_s(slot.line, phases_s, chargers_m, slot.slower(slot.most_s))
         for slot, phases_s in zip(slots, spots, strict=True)
     ]
-    return [
+    found = [
         [
             Handovers(charger=charger, phases_s=phases_s, places_m=places_m, ways_s=ways_s[k])
             for k, charger in enumerate(chargers)
         ]
         for phases_s, places_m, ways_s in zip(spots, places, lasts_s, strict=True)
     ]
+    return [
+        [_with_passing(slot, each, ways, clearance_s) for each in own] for slot, own in zip(slots, found, strict=True)
+    ]
+
+
+def _with_passing(slot: Slot, own: Handovers, ways: Ways, clearance_s: float) -> Handovers:
+    """The handovers of a post with ways on which robots pass each other, where its period is too short for others."""
+    longest_s = slot.most_s - clearance_s
+    if not slot.line.stays or clearance_s == 0 or longest_s < 0 or 2 * float(own.ways_s[0]) <= longest_s:
+        return own
+    passing = ways.passing(np.array(own.charger.at), own.places_m[0], clearance_s)
+    if passing is None:
+        return own
+    return replace(own, ways_s=np.array([max(line.duration_s for line in passing)]), passing=passing)
 
 
 def spots_s(line: TimedLine) -> Floats:

@@ -15,6 +15,7 @@ from rota.geometry.kernels import free_segments
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
+from rota.planners.patrol.relief.two_ways import passing_ways
 from rota.planners.patrol.tolerances import SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
 from rota.planners.patrol.traffic.starts.approaches import timed_approach
@@ -93,6 +94,17 @@ class Ways:
         ways = [self.way(charger_m, at) for at in both]
         return max(math.inf if way is None else way.lasts_s(slower) for way in ways)
 
+    def passing(self, charger_m: Floats, post_m: Floats, pause_s: float) -> tuple[TimedLine, TimedLine] | None:
+        """Ways from a charger to a post and back on which robots pass each other that are there ``pause_s`` apart.
+
+        None: walls leave no room for them, or robots take time to turn or to change speed.
+        """
+        speed_m_s = self._robot.ground_speed_m_s
+        if not self._at_once or (lines := passing_ways(self.paths, charger_m, post_m, pause_s * speed_m_s)) is None:
+            return None
+        there, back = (steady(_along_m(line_m) / speed_m_s, line_m) for line_m in lines)
+        return there, back
+
     def into(self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float) -> TimedLine:
         """The way from a charger into a round that is ``slower`` times as long as its line; lasts_s: at most."""
         return self._way_at(charger_m, line, phase_s, slower, lasts_s, before=False)
@@ -161,9 +173,14 @@ class Ways:
         return chain(line, steady(np.array([0.0, pause_s]), line.places_m[[-1, -1]])) if pause_s > 0 else line
 
 
+def _along_m(line_m: Floats) -> Floats:
+    """How far along a polyline (k, 2) its corners lie."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line_m, axis=0).T))])
+
+
 def _shares(line_m: Floats) -> Floats:
-    """How far along a polyline (k, 2) its corners lie, in 0..1."""
-    along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line_m, axis=0).T))])
+    """The same, in 0..1."""
+    along_m = _along_m(line_m)
     return along_m / along_m[-1] if along_m[-1] > 0 else np.linspace(0.0, 1.0, len(line_m))
 
 

@@ -1,0 +1,75 @@
+"""Robots with bodies that relieve each other at a post pass each other beside it."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+import shapely
+
+from rota import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone, check_plan, make_plan
+from rota.geometry.free_space import standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.model.battery_limits import BatteryLimits
+from rota.model.mission import Charger
+from rota.planners.patrol.relief.two_ways import passing_ways
+
+BODY_M = 0.5
+POST = Zone(name="post", shape=shapely.MultiPolygon([shapely.box(44, 4, 48, 8)]), period_s=4, demand="visit")
+MISSION = Mission(
+    name="post",
+    area=shapely.MultiPolygon([shapely.box(0, 0, 60, 12)]),
+    zones=(POST,),
+    fleet=Fleet(
+        speed_m_s=4,
+        sensor=DiscSensor(radius_m=3),
+        body_radius_m=BODY_M,
+        battery=BatteryLimits(endurance_s=100, recharge_s=50),
+    ),
+    chargers=(Charger(name="pad", at=(6, 6), places=2),),
+    planning=PatrolSettings(effort="quick"),
+)
+EVERY_POINT = dataclasses.replace(MISSION, zones=(dataclasses.replace(POST, demand="every_point"),))
+
+
+@pytest.mark.parametrize("mission", [MISSION, EVERY_POINT])
+def test_robots_relieve_each_other_where_a_period_is_shorter_than_the_ways_there_and_back(mission: Mission) -> None:
+    """The ways take 19 s, the period 4 s: two robots do, which are on the post 80 s and charge for 50 s."""
+    plan = make_plan(mission)
+    assert (check_plan(plan).verdict, len(plan)) == ("met", 2)
+    moments_s = np.arange(0, 2 * plan.trajectories[0].loop_duration_s, 0.01)
+    both_m = [robot.at(moments_s) for robot in plan]
+    apart_m = np.hypot(*(both_m[0] - both_m[1]).T)
+    assert 2 * BODY_M <= apart_m.min() < 2 * BODY_M * 1.2
+
+
+def paths_in(mission: Mission) -> ShortestPaths:
+    return ShortestPaths(standing_space(mission, BODY_M))
+
+
+@pytest.mark.parametrize("walls", [[], [shapely.box(38, 0, 45, 4)], [shapely.box(30, 5.5, 44.2, 6.5)]])
+def test_ways_that_pass_are_at_right_angles_at_the_post_and_clear_of_walls(walls: list[shapely.Polygon]) -> None:
+    obstacles = tuple(Obstacle(shape=shapely.MultiPolygon([wall])) for wall in walls)
+    mission = dataclasses.replace(MISSION, obstacles=obstacles)
+    charger_m, post_m = np.array([6.0, 6.0]), np.array([45.0, 6.0])
+    found = passing_ways(paths_in(mission), charger_m, post_m, 1.5)
+    assert found is not None
+    there_m, back_m = found
+    assert [there_m[0].tolist(), back_m[-1].tolist()] == [charger_m.tolist()] * 2
+    assert [there_m[-1].tolist(), back_m[0].tolist()] == [post_m.tolist()] * 2
+    comes, goes = there_m[-2] - post_m, back_m[1] - post_m
+    assert (np.hypot(*comes), np.hypot(*goes), comes @ goes) == pytest.approx((1.5, 1.5, 0), abs=1e-9)
+    for (a, b), wall in itertools.product([*itertools.pairwise(there_m), *itertools.pairwise(back_m)], walls):
+        assert shapely.distance(shapely.LineString([a, b]), wall) >= BODY_M - 1e-9
+
+
+def test_no_ways_pass_where_walls_leave_no_room_or_the_charger_is_beside_the_post() -> None:
+    corridor = tuple(
+        Obstacle(shape=shapely.MultiPolygon([shapely.box(20, *sides)])) for sides in ((0, 60, 5.2), (6.8, 60, 12))
+    )
+    narrow = paths_in(dataclasses.replace(MISSION, obstacles=corridor))
+    charger_m, post_m = np.array([6.0, 6.0]), np.array([45.0, 6.0])
+    assert passing_ways(narrow, charger_m, post_m, 1.5) is None
+    assert passing_ways(paths_in(MISSION), np.array([46.0, 6.0]), post_m, 1.5) is None
