@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.first_tours import lane_order
 from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neighbour_tour, reverse_places
-from rota.planners.patrol.tours.visiting_order import short_order
+from rota.planners.patrol.tours.visiting_order import nearest_places, short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -170,3 +170,11 @@ def test_lanes_go_to_and_fro() -> None:
     ordered = shuffled[lane_order(shuffled, 2.0)]
     assert ordered[:, 1].tolist() == [0.5] * 5 + [2.5] * 5 + [4.5] * 5
     assert ordered[:, 0].tolist() == [0, 1, 2, 3, 4, 4, 3, 2, 1, 0, 0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("n", [2, 13, 600])
+def test_nearest_places_are_those_of_all_sorted_the_first_of_several_as_near(n: int) -> None:
+    d = apart(np.random.default_rng(n).integers(0, 12, (n, 2)).astype(np.float64))  # most distances come several times
+    others = d.copy()
+    np.fill_diagonal(others, np.inf)
+    assert np.array_equal(nearest_places(d, 12), np.argsort(others, axis=1, kind="stable")[:, : min(12, n - 1)])

@@ -291,10 +291,10 @@ def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float
 
 def _well_seen(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> NDArray[np.bool_]:
     """Which points (n,) some place sees that is not at the limit of its range: all about them is seen, too."""
-    place = np.repeat(np.arange(len(viewpoints.xy_m)), np.diff(viewpoints.start))
-    away_m = np.hypot(*(viewpoints.xy_m[place] - points.xy_m[viewpoints.seen]).T)
     seen = np.zeros(len(points), dtype=np.bool_)
-    seen[viewpoints.seen[away_m < 0.9 * reach_m]] = True
+    for i, place_m in enumerate(viewpoints.xy_m):
+        own = viewpoints.seen[viewpoints.start[i] : viewpoints.start[i + 1]]
+        seen[own[np.hypot(*(points.xy_m[own] - place_m).T) < 0.9 * reach_m]] = True
     return seen
 
 

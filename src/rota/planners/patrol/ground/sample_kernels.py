@@ -32,10 +32,11 @@ class Samples(NamedTuple):
 
     x, y, weight, period, visit_m, shrink_m: (n,), as ``SamplePoints`` has them. Point i has the walls
     wall_item[wall_start[i] : wall_start[i + 1]] near it, rows of walls (k, 4). next_walled: (n,) the first point from i
-    on that has any. depth2: (n, 2, DEPTH_SECTORS) how far each point sees, see ``depth_kernels.py``. frames (f, 4),
-    frame_ints (f, 4), column_start: the lattices, see ``samples.lattice_frames``. bin_start: where each bin of the
-    other points begins; bins: (2,) how many columns and rows there are. origin: (5,) metres, the least x and y of all
-    points, the side of a bin, the farthest that a visit is served from, and ``end_of_hiding``'s corner.
+    on that has any. depth2: (w, 2, DEPTH_SECTORS) how far each of these sees, see ``depth_kernels.py``; depth_row: (n,)
+    its row there. frames (f, 4), frame_ints (f, 4), column_start: the lattices, see ``samples.lattice_frames``.
+    bin_start: where each bin of the other points begins; bins: (2,) how many columns and rows there are. origin: (5,)
+    metres, the least x and y of all points, the side of a bin, the farthest that a visit is served from, and
+    ``end_of_hiding``'s corner.
     """
 
     x: Floats
@@ -48,6 +49,7 @@ class Samples(NamedTuple):
     wall_item: Ints
     walls: Floats
     depth2: NDArray[np.float32]
+    depth_row: NDArray[np.int32]
     next_walled: Ints
     frames: Floats
     frame_ints: Ints
@@ -140,10 +142,10 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
     depths tell what comes of it. They change nothing of the answer.
     """
     cx, cy, corner, begin, end = s.x[i], s.y[i], s.origin[4], s.wall_start[i], s.wall_start[i + 1]
-    walls, items, depth2 = s.walls, s.wall_item, s.depth2
+    walls, items, depth2, row = s.walls, s.wall_item, s.depth2, s.depth_row[i]
     qx, qy = line.px + near * line.dx, line.py + near * line.dy
     near2 = qx * qx + qy * qy
-    if near2 < depth2[i, 0, int(sectors_from_x(qx, qy)) % DEPTH_SECTORS]:
+    if near2 < depth2[row, 0, int(sectors_from_x(qx, qy)) % DEPTH_SECTORS]:
         return True
     hidden = False
     for j in range(begin, end):
@@ -158,7 +160,7 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
         return False
     t, last = range_interval(line, reach, square)
     ex, ey = line.px + last * line.dx, line.py + last * line.dy
-    if hides_all(line.px + t * line.dx, line.py + t * line.dy, ex, ey, near2, depth2, i):
+    if hides_all(line.px + t * line.dx, line.py + t * line.dy, ex, ey, near2, depth2, row):
         return False
     moved = True
     while moved:

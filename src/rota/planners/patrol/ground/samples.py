@@ -51,7 +51,7 @@ class SamplePoints:
     def __len__(self) -> int:
         return len(self.area_m2)
 
-    def __getitem__(self, which: NDArray[np.bool_] | Ints) -> SamplePoints:
+    def __getitem__(self, which: NDArray[np.bool_] | Ints | slice) -> SamplePoints:
         return SamplePoints(
             xy_m=self.xy_m[which],
             area_m2=self.area_m2[which],
@@ -221,7 +221,10 @@ def prepare(
     along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
     longer[:, :2] -= along
     longer[:, 2:] += along
-    frames, frame_ints, column_start = lattice_frames(points[np.arange(len(on_lattice))])
+    frames, frame_ints, column_start = lattice_frames(points[: len(on_lattice)])
+    walled = np.flatnonzero(np.diff(wall_start))
+    depth_row = np.zeros(len(points), dtype=np.int32)
+    depth_row[walled] = np.arange(len(walled))
     samples = Samples(
         x=np.ascontiguousarray(points.xy_m[:, 0]),
         y=np.ascontiguousarray(points.xy_m[:, 1]),
@@ -232,7 +235,8 @@ def prepare(
         wall_start=wall_start,
         wall_item=wall_item,
         walls=np.ascontiguousarray(longer),
-        depth2=depths(points.xy_m, wall_start, wall_item, longer),
+        depth2=depths(points.xy_m[walled], wall_start[np.append(walled, len(points))], wall_item, longer),
+        depth_row=depth_row,
         next_walled=next_with_walls(wall_start),
         frames=frames,
         frame_ints=frame_ints,
@@ -292,8 +296,8 @@ def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32
     frames, ints, tables = [], [], [np.zeros(0, dtype=np.int64)]
     begin = 0
     for region in np.unique(points.region):
-        which = np.flatnonzero(points.region == region)
-        first, own = which[0], points[which]
+        first, end = np.searchsorted(points.region, [region, region + 1])
+        own = points[first:end]
         rows, columns = int(own.row.max()) + 1, int(own.column.max()) + 1
         spacing_m = float(np.sqrt(own.area_m2[0]))
         corner_m = own.xy_m[0] - spacing_m * np.array([own.column[0], own.row[0]])

@@ -130,14 +130,15 @@ def sectors_from_x(x: float, y: float) -> float:
 
 
 @allocation_free
-def hides_all(ax: float, ay: float, bx: float, by: float, near2: float, depth2: Any, i: int) -> bool:
-    """Whether all of a leg from a to b, in metres from sample i, is known to be hidden from it.
+def hides_all(ax: float, ay: float, bx: float, by: float, near2: float, depth2: Any, row: int) -> bool:
+    """Whether all of a leg from a to b, in metres from a sample, is known to be hidden from it.
 
-    near2: squared metres to the leg's nearest place. depth2: (n, 2, DEPTH_SECTORS), as ``depth_kernels.depths`` tells.
+    near2: squared metres to the leg's nearest place. depth2: (w, 2, DEPTH_SECTORS), as ``depth_kernels.depths`` tells;
+    row: the sample's.
     """
     k, last = int(sectors_from_x(ax, ay)) % DEPTH_SECTORS, int(sectors_from_x(bx, by)) % DEPTH_SECTORS
     step = 1 if ax * by - ay * bx >= 0 else DEPTH_SECTORS - 1
-    while depth2[i, 1, k] < near2:
+    while depth2[row, 1, k] < near2:
         if k == last:
             return True
         k = (k + step) % DEPTH_SECTORS

@@ -193,8 +193,11 @@ def distances(problem: Problem, places_m: Floats) -> Floats:
         return problem.paths.lengths_from_point_to_point(places_m, 4 * problem.reach_m)
     if len(places_m) <= MOST_GEODESIC:
         return np.asarray(problem.paths.all_pairs(places_m))
-    away_m = np.subtract.outer(places_m[:, 0], places_m[:, 0])
-    return np.asarray(np.hypot(away_m, np.subtract.outer(places_m[:, 1], places_m[:, 1]), out=away_m))
+    x, y, away_m = *places_m.T, np.empty((len(places_m), len(places_m)))
+    for first in range(0, len(places_m), 256):  # all at once would take three such tables
+        rows = slice(first, first + 256)
+        np.hypot(np.subtract.outer(x[rows], x), np.subtract.outer(y[rows], y), out=away_m[rows])
+    return away_m
 
 
 def tour_past(problem: Problem, places_m: Floats, period_class: int, component: int) -> Tour:

@@ -26,15 +26,25 @@ def short_order(distance_m: Floats) -> Ints:
     order: Ints = nearest_neighbour_tour(distance_m)
     near = nearest_places(distance_m, 12)
     # sums of four may be off by so much
-    least_m = max(SAME_PLACE_M, 4 * np.finfo(np.float64).eps * float(np.abs(distance_m).max()))
+    least_m = max(SAME_PLACE_M, 4 * np.finfo(np.float64).eps * float(distance_m.max()))
     while improve_once(distance_m, near, least_m, order):
         pass
     return order
 
 
 def nearest_places(distance: Floats, count: int) -> Ints:
-    """For each of n places the nearest others (n, k), nearest first; k is the count, or n - 1. distance: (n, n)."""
-    apart = distance.copy()
-    np.fill_diagonal(apart, np.inf)
-    near = np.argsort(apart, axis=1, kind="stable")[:, : min(count, len(distance) - 1)]
-    return np.ascontiguousarray(near, dtype=np.int64)
+    """For each of n places the nearest others (n, k), nearest first; k is the count, or n - 1. distance: (n, n).
+
+    Of places as near as each other the first is nearer.
+    """
+    n = len(distance)
+    k = min(count, n - 1)
+    near = np.empty((n, k), dtype=np.int64)
+    for first in range(0, n, 256):  # all rows at once would take two more such tables
+        apart = distance[first : first + 256].copy()
+        own = np.arange(len(apart))
+        apart[own, first + own] = np.inf
+        row, place = np.nonzero(apart <= np.partition(apart, k - 1, axis=1)[:, k - 1 : k])
+        place = place[np.lexsort((apart[row, place], row))]
+        near[first + own] = place[np.searchsorted(row, own)[:, None] + np.arange(k)]
+    return near
