@@ -19,7 +19,13 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.methods.fewest.search import fewest_robots, reduce_team, with_less_effort
+from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.fewest.search import (
+    fewest_robots,
+    reduce_team,
+    with_less_effort,
+    without_spare_robots,
+)
 from rota.planners.patrol.planner import plan_tours
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
@@ -49,6 +55,22 @@ def test_more_effort_is_spent_only_while_fewer_robots_may_do(first: Repaired) ->
     assert found.plan.mission == normal.problem.mission
     assert [tour.vertices_m.tolist() for tour in found.tours] == [tour.vertices_m.tolist() for tour in first.tours]
     assert 0 < max(told) < 0.5
+
+
+def test_robots_are_given_up_only_where_enough_slack_is_left(first: Repaired) -> None:
+    told: list[str] = []
+    context = search_on(YARD)
+    groupings = period_groupings(context.problem, 1)
+    more = replace(first, tours=[replace(first.tours[0], robots=first.robots + 2), *first.tours[1:]])
+    assert without_spare_robots(context, groupings, more, 1).robots == first.robots
+
+    def tell(_share: float, what: str) -> None:
+        told.append(what)
+
+    asks_more = replace(context.settings.allocation, least_slack=50.0)
+    picky = replace(context, progress=tell, settings=replace(context.settings, allocation=asks_more))
+    assert without_spare_robots(picky, groupings, more, 1) is more
+    assert not told
 
 
 def never_content(plan: Plan) -> Verdict:

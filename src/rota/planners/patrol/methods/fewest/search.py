@@ -75,7 +75,7 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     turns_on_spot = context.problem.robot.turn_radius_m == 0  # annealing and repairing curves again takes long
     # lanes that take more robots do not suit the mission, and would give up too many
     if best is not None and best.robots <= 2.0 * likely and turns_on_spot:
-        best = without_spare_robots(context, best, likely)
+        best = without_spare_robots(context, groupings, best, likely)
     # from two robots more, a team of one robot less is as good a first try as the likely one
     if best is None or not best.met or best.robots > likely + 2:
         best = search_upwards(context, groupings, likely, best)
@@ -84,13 +84,16 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     return search_downwards(context, groupings, best)
 
 
-def without_spare_robots(context: Context, best: Repaired, likely: int) -> Repaired:
+def without_spare_robots(context: Context, groupings: list[PeriodGrouping], best: Repaired, likely: int) -> Repaired:
     """The last plan that passes when the tours of the best one so far give up robots.
 
-    They give up half of those beyond the likely team size at once, or one.
+    They give up half of those beyond the likely team size at once, or one; none where that leaves less slack than a
+    team size is tried with.
     """
+    least = max(context.enough_robots, smallest_with_slack(groupings, context.settings.allocation.least_slack))
+    likely = max(likely, least)
     fewer = max(1, (best.robots - likely) // 2)
-    while best.met and best.robots - fewer >= context.enough_robots and not context.should_stop():
+    while best.met and best.robots - fewer >= least and not context.should_stop():
         context.progress(0.1, f"trying {best.robots - fewer} robots")
         smaller = give_up_robots(context, best, fewer)
         if smaller is None and fewer == 1:
