@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from benchmarks.first_plans import write_trunks
 from benchmarks.row import Options, Row
 from benchmarks.shell import rota
 from benchmarks.stopping_missions import write_corridor, write_open_field
@@ -20,7 +21,19 @@ def small_jobs(options: Options) -> Iterator[Row]:
     """Processor time to a plan that passes, and wall time to the sentence that there can be none."""
     yield _planned("open field of 300 m x 200 m, bodies of 0.5 m, r = 5 m, quick", write_open_field(options.folder), 20)
     yield _planned("corridor of 22 km x 60 m, r = 30 m, quick", write_corridor(options.folder), 60)
+    yield _trunks(options.folder)
     yield _refused(options.folder)
+
+
+def _trunks(folder: Path) -> Row:
+    """A field with 60 trunks planned to the end, with its memory."""
+    name, asked = "300 m x 200 m with 60 trunks of 64 corners, quick", "met, 6 robots, 12 s of processor time, 300 MB"
+    run = rota("plan", write_trunks(folder), "--effort", "quick", "-o", folder / "trunks.rota.json")
+    if run.code:
+        return Row(name, asked, run.failure(), False)
+    robots, peak_mb = len(read_plan(folder / "trunks.rota.json").trajectories), run.peak_bytes / 1e6
+    measured = f"{robots} robots, met, {run.cpu_s:.1f} s, {peak_mb:.0f} MB"
+    return Row(name, asked, measured, robots <= 6 and run.cpu_s <= 12 and peak_mb <= 300)
 
 
 def _planned(name: str, mission: Path, asked_s: float) -> Row:

@@ -26,6 +26,7 @@ from rota.planners.patrol.shortening.search import (
     repair_for_length,
     shortened_further,
     with_better_loops,
+    with_rounds,
 )
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
@@ -120,6 +121,15 @@ def test_an_attempt_ends_once_its_loops_are_too_long(context: Context, found: Re
     assert len(judged) == 1
     repair_for_length(own, short, found.tours)
     assert len(judged) > 2
+
+
+@pytest.mark.parametrize("apart_m", [5.2, 5.7])
+def test_detours_see_what_programs_leave(context: Context, found: Repaired, apart_m: float) -> None:
+    few, lanes = with_rounds(context, 4), [replace(found.tours[0], vertices_m=up_and_down(apart_m))]
+    assert not repair_for_length(few, lanes, found.tours, detours=False).met
+    led = repair_for_length(few, lanes, found.tours)
+    assert check_plan(led.plan).verdict == "met"
+    assert loops_m(led.tours) < 0.9 * loops_m(found.tours)
 
 
 def test_loops_that_are_pulled_tight_are_shorter_and_pass(context: Context, found: Repaired) -> None:

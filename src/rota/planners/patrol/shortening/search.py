@@ -17,7 +17,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import known_walls, lay_out
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
@@ -125,7 +125,7 @@ def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> R
     """The plan with its tours straight on past their spikes, repaired; the plan given where that is no better."""
     if context.should_stop() or not (found := spikes(context.problem, plan.tours)):
         return plan
-    straight = repair_for_length(context, without(plan.tours, found), plan.tours)
+    straight = repair_for_length(context, without(plan.tours, found), plan.tours, detours=not fewest_turns)
     return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan
 
 
@@ -149,14 +149,16 @@ def annealed_and_repaired(
             sampling = settings.coarse if stage.coarse else settings.fine
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
         tried = anneal_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
-    return repair_for_length(context, as_they_were(tried, tours), tours)
+    return repair_for_length(context, as_they_were(tried, tours), tours, detours=not fewest_turns)
 
 
-def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
+def repair_for_length(context: Context, tours: list[Tour], old: list[Tour], *, detours: bool = True) -> Repaired:
     """The tours after repairs by linear programs for which every metre counts; met or not.
 
     old: those that they are to be shorter than; once they are too long the repair ends. Tours are bent a hundredth of
     the reach beyond what they miss, and go on while they are 0.2 % over their budgets.
+
+    detours: what half of the rounds leave unseen the other half sees by detours, which are longer and turn more.
     """
     settings = context.settings.shortening
     repair = replace(
@@ -165,10 +167,15 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
         over_budget_limit=0.002,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
-    return repair_until_feasible(
-        own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
-        is_in_vain=lambda tours: is_too_long(tours, old),
-    )  # fmt: skip
+
+    def repaired(tours: list[Tour], extra: SamplePoints, rounds: int, *, bends: bool) -> Repaired:
+        return repair_until_feasible(
+            own, tours, extra, may_add=False, rounds=rounds, annealed=bends, is_in_vain=lambda t: is_too_long(t, old)
+        )
+
+    bent = repaired(tours, no_points(), (settings.rounds + 1) // 2 if detours else settings.rounds, bends=True)
+    ends = not detours or bent.met or not bent.within_budgets or is_too_long(bent.tours, old) or context.should_stop()
+    return bent if ends else repaired(bent.tours, bent.extra, settings.rounds // 2, bends=False)
 
 
 def anneal_for_length(
