@@ -6,15 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
+import rota
 from rota.check import check_plan
 from rota.check.report import Report
-from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.mission import DiscSensor, Fleet, Mission, Zone
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.initial.first_tours import tour_past
 from rota.planners.patrol.loop_settings import ShorteningAttempt, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
@@ -270,3 +273,23 @@ def test_turning_costs_only_while_tours_are_tried(found: Repaired) -> None:
     (back,) = as_they_were([moved], [tour])
     assert (back.robot, back.period_s) == (tour.robot, tour.period_s)
     np.testing.assert_array_equal(back.vertices_m, moved.vertices_m)
+
+
+def test_a_loop_that_only_touches_zones_to_visit_sees_the_middle_of_none_and_is_shortened_all_the_same() -> None:
+    shapes = [MultiPolygon([box(77.1, 58.2, 87.0, 64.2)]), MultiPolygon([box(66.2, 99.4, 79.5, 112.5)])]
+    zones = [
+        Zone(name=f"zone {k}", shape=shape, period_s=period_s, demand="visit")
+        for k, (shape, period_s) in enumerate(zip(shapes, (26, 19), strict=True))
+    ]
+    mission = replace(
+        FIELD, area=MultiPolygon([box(0, 0, 120, 120)]), period_s=None, zones=tuple(zones),
+        fleet=Fleet(speed_m_s=4, sensor=DiscSensor(radius_m=8)),
+    )  # fmt: skip
+    context = search_on(mission)
+    # from border to border and back
+    tour = replace(tour_past(context.problem, np.array([[77.1, 64.2], [77.1, 99.4]]), 0, 0), period_s=19.0)
+    assert search.sampled_anew(context.problem, [tour], context.settings.shortening.fine) is None
+    plan = rota.make_plan(mission)
+    assert (check_plan(plan).verdict, len(plan)) == ("met", 1)
+    between_m = shapely.distance(*shapes)
+    assert 2 * between_m < plan.trajectories[0].loop_duration_s * 4 < 2 * between_m * 1.05

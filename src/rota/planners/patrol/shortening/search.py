@@ -143,12 +143,13 @@ def annealed_and_repaired(
     """
     settings = context.settings.shortening
     tried = as_if_turning_cost(tours, context.problem.reach_m) if fewest_turns else tours
-    samples: dict[bool, Samples] = {}
+    samples: dict[bool, Samples | None] = {}
     for turn, stage in enumerate(stages):
         if stage.coarse not in samples:
             sampling = settings.coarse if stage.coarse else settings.fine
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
-        tried = anneal_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
+        if (own := samples[stage.coarse]) is not None:
+            tried = anneal_for_length(context, tried, own, stage, seed=seed + turn)
     return repair_for_length(context, as_they_were(tried, tours), tours, detours=not fewest_turns)
 
 
@@ -199,8 +200,11 @@ def anneal_for_length(
     return search.tours
 
 
-def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings) -> Samples:
-    """The problem's ground as other samples, but for what these tours do not see at full reach: nobody can see that."""
+def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings) -> Samples | None:
+    """The problem's ground as other samples, but for what these tours do not see at full reach: nobody can see that.
+
+    None: they see none of them, as where all is visits and they only touch the zones.
+    """
     points, _ = points_of_regions(problem.regions, problem.space, problem.robot, sampling)
     points, samples, _ = lay_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
     legs, places_m = layout.lay_out_tours(tours, LONGEST_LEG * problem.reach_m)
@@ -209,6 +213,8 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
     seen = sightings.range_deficit_m <= samples.shrink_m
     if seen.all():
         return samples
+    if not seen.any():
+        return None
     known = known_walls(samples, np.flatnonzero(seen))
     return lay_out(points[seen], problem.walls, problem.robot, weight=metres_worth(problem, points[seen]), known=known)[
         1
