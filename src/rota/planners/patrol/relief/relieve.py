@@ -19,6 +19,7 @@ from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
+from rota.planners.patrol.relief.roomy import cycles_with_room
 from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
@@ -30,11 +31,11 @@ from rota.planners.patrol.relief.slots import (
     slower_slots,
     without_waits,
 )
-from rota.planners.patrol.relief.turns import rotations_of
+from rota.planners.patrol.relief.turns import Rotation, rotations_of
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
-from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
+from rota.planners.patrol.verdict import Judge, crowding, robots_in_words, worst_reached
 
 MORE = 4  # robots than a cycle takes at least are too many for it
 MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at loops, and on circuits
@@ -92,25 +93,38 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: 
     tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
     ways, found = Ways(robot, PathsByBody(mission)), None
 
-    def plan_of(served: Sequence[Slot], below: float = math.inf, *, number: int) -> Plan:
+    def plan_of(served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool) -> Plan:
         """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
         team = _Team(mission, served, ways)
-        cycles = team.cycles()
-        more = below - sum(cycle.robots for cycle in cycles)
-        if more <= 0:
-            raise NoPlanFound(f"{robots_in_words(int(below))} or more are needed")
-        robots = team.trajectories(cycles, seed + number, varied=number > 0, more=int(min(more, MORE)))
+        rotations = team.rotations(seed + number, varied=number > 0, below=below, heeds_places=heeds_places)
+        robots = team.trajectories(rotations)
         return replace(loops, mission=mission, trajectories=tuple(robots))
 
     tries = list(itertools.product((hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)))
-    for tried, number in tries[:1] if briefly else tries:
-        found = plan_of(tried, number=number)
-        if judge(found).verdict == "met":
+    tries, crowded = tries[:1] if briefly else tries, False
+    barren: Sequence[Slot] = ()
+    for heeds_places, (tried, number) in itertools.product((False, True), tries):
+        if heeds_places and (not crowded or tried is barren):
+            continue
+        try:
+            found = plan_of(tried, number=number, heeds_places=heeds_places)
+        except NoPlanFound:
+            if not heeds_places:
+                raise
+            barren = tried
+            continue
+        if (verdict := judge(found)).verdict == "met":
             if mission.fleet.robots is not None:
                 return found
-            return with_fewer_posts(found, tried, partial(plan_of, number=number), judge)
+            return with_fewer_posts(found, tried, partial(plan_of, number=number, heeds_places=heeds_places), judge)
+        crowded |= crowding(verdict) is not None
     assert found is not None
     raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
+
+
+def _robots(cycles: Sequence[Cycle]) -> int:
+    """How many robots some cycles take."""
+    return sum(cycle.robots for cycle in cycles)
 
 
 def nearest_s(handovers: Sequence[Handovers]) -> float:
@@ -147,7 +161,7 @@ class _Team:
             with suppress(NoPlanFound):
                 tried.append(self._cycles_at([charger] * len(nearest)))
         roomy = [cycles for cycles in tried if all(self._has_room(cycle.charger, cycles) for cycle in cycles)]
-        return min(roomy or tried, key=lambda cycles: sum(cycle.robots for cycle in cycles))
+        return min(roomy or tried, key=_robots)
 
     def _has_room(self, charger: Charger, cycles: Sequence[Cycle]) -> bool:
         """Whether a charger has places for the robots that are not at slots, when one is at each."""
@@ -175,7 +189,7 @@ class _Team:
                 raise NoPlanFound(self._too_far(k, own[k].charger))
         cycles = [each for each in alone if each is not None]
         together = cycle(members)
-        if together is not None and together.robots <= sum(each.robots for each in cycles):
+        if together is not None and together.robots <= _robots(cycles):
             return [together]
         while True:
             pairs = itertools.combinations(cycles, 2)
@@ -201,27 +215,46 @@ class _Team:
             " give more, or a charger nearer by"
         )
 
-    def trajectories(self, cycles: Sequence[Cycle], seed: int, *, varied: bool, more: int) -> list[Trajectory]:
-        """The trajectories of all robots; a cycle has less than ``more`` beyond what it takes at least."""
-        named = self._mission.fleet.robots
-        rotations = []
+    def rotations(self, seed: int, *, varied: bool, below: float, heeds_places: bool) -> list[Rotation]:
+        """The rotations of all slots, with less than ``below`` robots. Raises NoPlanFound where there are none."""
+        if heeds_places:
+            tried = cycles_with_room(self._slots, self._handovers, self._robot.battery, self._clearance_s)
+            found = (self._rotations_of(cycles, seed, varied, 1) for cycles in tried if _robots(cycles) < below)
+        else:
+            cycles = self.cycles()
+            if (more := below - _robots(cycles)) <= 0:
+                raise NoPlanFound(f"{robots_in_words(int(below))} or more are needed")
+            found = (self._rotations_of(each, seed, varied, int(min(more, MORE))) for each in [cycles])
+        if (rotations := next((each for each in found if each), None)) is None:
+            raise NoPlanFound("robots that keep step with each other cannot be relieved in time")
+        return rotations
+
+    def _rotations_of(self, cycles: Sequence[Cycle], seed: int, varied: bool, more: int) -> list[Rotation]:
+        """The rotations of these cycles, of each with less than ``more`` robots to spare; none where one has none."""
+        rotations: list[Rotation] = []
         for cycle in cycles:
-            own = [
-                next(each for each in every if each.charger is cycle.charger) for every in self._handovers
-            ]  # by slot
+            own = self._own(cycle)
             tried = (
                 rotations_of(cycle, self._slots, own, cycle.robots + spare, seed, varied=varied)
                 for spare in range(more)
             )
             found = next((each for each in tried if each is not None), None)
             if found is None:
-                raise NoPlanFound("robots that keep step with each other cannot be relieved in time")
-            rotations += [(rotation, own) for rotation in found]
-        total = sum(rotation.robots for rotation, _ in rotations)
+                return []
+            rotations += found
+        return rotations
+
+    def _own(self, cycle: Cycle) -> list[Handovers]:
+        """The handovers of each slot with the charger of a cycle."""
+        return [next(each for each in every if each.charger is cycle.charger) for every in self._handovers]
+
+    def trajectories(self, rotations: Sequence[Rotation]) -> list[Trajectory]:
+        """The trajectories of all robots."""
+        named, rotations = self._mission.fleet.robots, list(rotations)
+        total = sum(rotation.robots for rotation in rotations)
         if named is not None and len(named) > total:  # the first rotation has the robots that are to spare
-            (rotation, own), total = rotations[0], len(named)
-            to_spare = len(named) - sum(each.robots for each, _ in rotations)
-            rotations[0] = (replace(rotation, robots=rotation.robots + to_spare), own)
+            rotations[0] = replace(rotations[0], robots=rotations[0].robots + len(named) - total)
+            total = len(named)
         if named is not None and len(named) < total:
             raise NoPlanFound(
                 f"{robots_in_words(total)} are needed, those that charge included; the fleet has {len(named)}"
@@ -229,8 +262,12 @@ class _Team:
         names = iter([robot.name for robot in named] if named else [f"robot-{k + 1}" for k in range(total)])
         return [
             trajectory
-            for rotation, own in rotations
+            for rotation in rotations
             for trajectory in trajectories_of(
-                rotation, self._slots, own, self._ways, list(itertools.islice(names, rotation.robots))
+                rotation,
+                self._slots,
+                self._own(rotation.cycle),
+                self._ways,
+                list(itertools.islice(names, rotation.robots)),
             )
         ]

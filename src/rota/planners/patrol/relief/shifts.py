@@ -83,6 +83,11 @@ class _Way(NamedTuple):
     way_s: float
     busy_s: Floats
 
+    @property
+    def flown_s(self) -> Floats:
+        """Seconds of all flights of a turn."""
+        return self.jobs * (self.rounds * self.round_s + 2 * self.way_s)
+
     def at(self, turns: NDArray[np.bool_]) -> _Way:
         """The same for some of the turns (n,)."""
         return self._replace(rounds=self.rounds[turns], round_s=self.round_s[turns], busy_s=self.busy_s[turns])
@@ -101,16 +106,17 @@ def stays_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats
 
 def best_cycle(
     slots: Sequence[Slot], handovers: Sequence[Handovers], members: Sequence[int], battery: BatteryLimits,
-    clearance_s: float,
+    clearance_s: float, *, places: float = math.inf, most_pause_ways: float = math.inf,
 ) -> Cycle | None:  # fmt: skip
     """The cycle of some slots, by their numbers, with the fewest robots, or busy for the least time; None: none does.
 
     handovers: of each slot with the charger that serves them all. clearance_s: by how long robots that change pass
-    one place after each other.
+    one place after each other. places: no more robots than so many are at the charger on average. most_pause_ways: how
+    many ways to the charger a pause between two robots lasts at most.
     """
     charger = handovers[members[0]].charger
     turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery)
-    tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s) for k in members]
+    tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s, most_pause_ways) for k in members]
     busy_s = sum(np.min([way.busy_s for way in ways], axis=0) for ways in tried)
     if not (possible := np.isfinite(busy_s)).any():
         return None
@@ -126,7 +132,14 @@ def best_cycle(
         every = np.array([way.busy_s for way in ways])
         busy_s = busy_s - least_s + np.take_along_axis(every, own[None], axis=0)[0]
     jobs = sum(np.array([way.jobs for way in ways])[own] for own, ways in zip(chosen, tried, strict=True))
+    flown_s = sum(
+        np.take_along_axis(np.array([way.flown_s for way in ways]), own[None], axis=0)[0]
+        for own, ways in zip(chosen, tried, strict=True)
+    )
+    robots[robots - flown_s / turns_s > places * (1 + SAME_ROUND)] = np.inf
     best = int(np.lexsort((busy_s / turns_s, np.round(jobs / turns_s, 9), robots))[0])
+    if not np.isfinite(robots[best]):
+        return None
     shifts = tuple(
         _shift(number, ways[own[best]], best, battery.usable_s, slots[number].uses(battery))
         for number, own, ways in zip(members, chosen, tried, strict=True)
@@ -165,12 +178,18 @@ def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], battery:
 
 
 def ways_to_serve(
-    slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float
-) -> list[_Way]:
-    """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long."""
+    slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float,
+    most_pause_ways: float = math.inf,
+) -> list[_Way]:  # fmt: skip
+    """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long.
+
+    most_pause_ways: how many ways to the charger a pause between two robots lasts at most.
+    """
     whole, uses = _posts if slot.line.stays else _whole_rounds, slot.uses(battery)
-    tried = list(whole(slot, own, turns_s, clearance_s))
-    if slot.least_s * uses + 2 * float(own.ways_s.min()) > battery.usable_s:
+    nearest_s = float(own.ways_s.min())
+    most_pause_s = most_pause_ways * nearest_s if math.isfinite(most_pause_ways) else math.inf
+    tried = list(whole(slot, own, turns_s, clearance_s, most_pause_s))
+    if slot.least_s * uses + 2 * nearest_s > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
     best: dict[tuple[int, float], _Way] = {}
     for jobs, rounds, round_s, way_s, possible in tried:
@@ -188,12 +207,12 @@ def ways_to_serve(
 Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, rounds, round_s, way_s, possible
 
 
-def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float) -> Iterator[Tried]:
     """Jobs of robots that stay, each after a pause of a whole period where it need not be there sooner."""
     way_s = float(own.ways_s.min())
     for jobs in range(1, MOST_JOBS + 1):
         each_s = turns_s / jobs
-        pause_s = np.minimum(slot.most_s, each_s - slot.least_s)
+        pause_s = np.minimum(min(slot.most_s, most_pause_s), each_s - slot.least_s)
         possible = pause_s >= 0
         if own.passing is not None:
             possible = pause_s >= clearance_s
@@ -203,7 +222,9 @@ def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> I
         yield jobs, 1.0, each_s - pause_s, way_s, possible
 
 
-def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+def _whole_rounds(
+    slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float
+) -> Iterator[Tried]:
     """Jobs of whole rounds, with pauses between robots that are as long as periods allow."""
     least_s, most_s, way_s = slot.least_s, slot.most_s, float(own.ways_s.min())
     for jobs in range(1, MOST_JOBS + 1):
@@ -217,7 +238,7 @@ def _whole_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: floa
             with np.errstate(divide="ignore", invalid="ignore"):
                 longest_s = (most_s - each_s / rounds) / (slot.passes - 1 / rounds)
             longest_s[rounds * slot.passes == 1] = np.inf  # each place is seen once between two pauses
-            pause_s = np.minimum(each_s - rounds * least_s, longest_s)
+            pause_s = np.minimum(each_s - rounds * least_s, np.minimum(longest_s, most_pause_s))
             pause_s[np.abs(pause_s) <= SAME_ROUND * each_s] = 0.0
             possible = (pause_s >= 0) & (each_s / rounds <= most_s * (1 + SAME_ROUND))
             if clearance_s > 0:

@@ -19,8 +19,6 @@ from rota.planners.patrol.tolerances import SAME_PLACE_M
 
 Floats = NDArray[np.float64]
 
-TURNED_RAD = math.pi / 6  # steps by which both ways are turned about the post until walls leave room
-
 
 def passing_ways(
     paths: ShortestPaths, charger_m: Floats, post_m: Floats, straight_m: float
@@ -37,8 +35,8 @@ def passing_ways(
     if np.hypot(*steps_m.T).sum() <= straight_m + SAME_PLACE_M:
         return None
     ahead_rad = math.atan2(*-steps_m[-1][::-1])
-    for turn in sorted(range(-5, 7), key=abs):
-        turned_rad = ahead_rad + turn * TURNED_RAD + np.array([-math.pi / 4, math.pi / 4])
+    for turn in sorted(range(-5, 7), key=abs):  # about the post, until walls leave room
+        turned_rad = ahead_rad + turn * math.pi / 6 + np.array([-math.pi / 4, math.pi / 4])
         beside_m = post_m + straight_m * np.column_stack([np.cos(turned_rad), np.sin(turned_rad)])
         if not free_segments(beside_m, np.vstack([post_m, post_m]), paths.grid).all():
             continue
