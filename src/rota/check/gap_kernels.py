@@ -143,8 +143,12 @@ def team_gap(times, n, loops, limit_s):
                 first = False
         if not first:
             continue
-        members = np.array([j for j in range(i, n) if loops.classes[times.robots[j]] == kind])
-        gap, start, period, sure = _class_gap(times, members, loops.parts, loops.units_s[kind], limit_s)
+        members, count = np.empty(n - i, np.int64), 0
+        for j in range(i, n):
+            if loops.classes[times.robots[j]] == kind:
+                members[count] = j
+                count += 1
+        gap, start, period, sure = _class_gap(times, members[:count], loops.parts, loops.units_s[kind], limit_s)
         heads += 1
         exact = exact and sure
         if gap < best:

@@ -236,7 +236,12 @@ def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
                     passed_in[w] = k
                     break
         near_legs = in_cell(legs.near, cell)
-        passing = near_legs[(legs.kinds[near_legs] == LOOP) & (passed_in[legs.way_of[near_legs]] == k)]
+        passing, count = np.empty(len(near_legs), np.int64), 0
+        for m in near_legs:
+            if legs.kinds[m] == LOOP and passed_in[legs.way_of[m]] == k:
+                passing[count] = m
+                count += 1
+        passing = passing[:count]
         for m in passing:
             gaps[k] = min(gaps[k], _gap_of_followers(m, passing, legs, team, limits_s[k]))
             firsts[k] = min(firsts[k], legs.times_s[m, 1])

@@ -108,7 +108,8 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
         n += 1
     for r in range(RINGS):
         first[r + 1] += first[r]
-    boxes, ends, index = np.empty((n, 4)), np.empty((n, 4)), np.empty(n, np.int64)
+    boxes, ends, index, box = np.empty((n, 4)), np.empty((n, 4)), np.empty(n, np.int64), np.empty(4)
+    box[0], box[1], box[2], box[3] = x0, y0, x1, y1
     for i in range(len(near)):
         if ring[i] < 0:
             continue
@@ -119,7 +120,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
             ends[at, side] = wall[side]
         boxes[at, 0], boxes[at, 1] = min(wall[0], wall[2]), min(wall[1], wall[3])
         boxes[at, 2], boxes[at, 3] = max(wall[0], wall[2]), max(wall[1], wall[3])
-    return Shadows(sides, boxes, ends, index, np.zeros(n, np.int64), n, np.array([x0, y0, x1, y1]))
+    return Shadows(sides, boxes, ends, index, np.zeros(n, np.int64), n, box)
 
 
 @allocation_free

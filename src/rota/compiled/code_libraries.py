@@ -13,14 +13,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from numba import types
 from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler
 from numba.core.runtime import rtsys
+from numba.core.targetconfig import ConfigStack
+from numba.core.types.functions import BaseFunction
 
 OF_ENTRIES = ("no_cpython_wrapper", "no_cfunc_wrapper", "release_gil")  # flags of who calls, not of what is called
 # of the garbage collector: what is compiled stays, and looking through it all again and again took a sixth of the time
 YOUNG, MIDDLE, OLD = 100_000, 100, 1000
+NUMBERS = (types.Boolean, types.Integer, types.Float)
+# signatures of operators and functions of numbers, with the keys of their code: by them, their types and the flags
+_CALLS: dict[Any, Any] = {}
+_call_type: Any = BaseFunction.get_call_type
 
 
 class _WithoutEnvironments:
@@ -91,11 +98,31 @@ def _flags_of_kernels(_: _FunctionCompiler, flags: compiler.Flags) -> compiler.F
     return KernelFlags(flags)
 
 
+def _remembered_call_type(self: Any, context: Any, args: tuple[types.Type, ...], keywords: Any) -> Any:
+    """The signature of a call, looked up where all arguments are numbers and not all are written in the code.
+
+    numba would try some ten ways to add for arrays, dates and strings at each sum in each kernel.
+    """
+    plain = tuple(map(types.unliteral, args))
+    of_numbers = not keywords and all(isinstance(kind, NUMBERS) for kind in plain)
+    if not of_numbers or all(isinstance(kind, types.Literal) for kind in args):
+        return _call_type(self, context, args, keywords)
+    key = self, plain, ConfigStack.top_or_none()
+    if key in _CALLS:
+        signature, self._impl_keys[signature.args] = _CALLS[key]
+        return signature
+    signature = _call_type(self, context, args, keywords)
+    if not any(isinstance(kind, types.Literal) for kind in signature.args):  # or it would hold for that number alone
+        _CALLS[key] = signature, self._impl_keys[signature.args]
+    return signature
+
+
 @contextmanager
 def take_in(context: Any) -> Iterator[None]:
     """Whatever numba compiles meanwhile is taken in by kernels; under numba's lock, which keeps other threads out."""
     customised, thresholds = _FunctionCompiler._customize_flags, gc.get_threshold()
     _FunctionCompiler._customize_flags = _flags_of_kernels
+    BaseFunction.get_call_type = _remembered_call_type
     gc.set_threshold(YOUNG, MIDDLE, OLD)
     try:
         with _libraries(context.codegen(), TakenIn):
@@ -103,6 +130,8 @@ def take_in(context: Any) -> Iterator[None]:
     finally:
         gc.set_threshold(*thresholds)
         _FunctionCompiler._customize_flags = customised
+        if customised is not _flags_of_kernels:  # the outermost
+            BaseFunction.get_call_type = _call_type
 
 
 @contextmanager

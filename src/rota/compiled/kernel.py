@@ -9,6 +9,7 @@ What numba does, and what is otherwise here:
 - Each function is compiled again within each of its callers. Here a ``noinline`` kernel is compiled once, and its
   callers, which may be in the cache, find it by its name. Such names tell the contents (``_key``).
 - What callers take in becomes machine code within them alone (``code_libraries``).
+- numba looks in each function for what kernels do not have, as list comprehensions. Here it does not (``LEFT_OUT``).
 - Options of the outermost caller pass to what it calls. Here each kernel has its own, so that the same call always
   compiles the same code.
 """
@@ -28,14 +29,15 @@ from uuid import uuid4
 import llvmlite
 import numba
 from numba import config, types
-from numba.core import compiler, event as events, sigutils
+from numba.core import compiler, event as events, sigutils, untyped_passes as untyped
 from numba.core.bytecode import FunctionIdentity
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
 from numba.core.dispatcher import _FunctionCompiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
-from numba.core.untyped_passes import ExtractByteCode
+from numba.core.typed_passes import NopythonRewrites
 from numba.np import linalg
 
 from rota.compiled.by_reference import Reference
@@ -52,6 +54,12 @@ ALLOCATION_FREE: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 SETTINGS = (
     "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT", "EXTEND_VARIABLE_LIFETIMES",
     "FULL_TRACEBACKS", "USING_SVML", "LLVM_REFPRUNE_PASS", "LLVM_REFPRUNE_FLAGS",
+)  # fmt: skip
+# what numba looks for in all code, and kernels do not have: functions within, ``with``, ``literally``, and whole arrays
+# in expressions, which would become one loop
+LEFT_OUT = (
+    untyped.WithLifting, untyped.InlineClosureLikes, untyped.MakeFunctionToJitFunction, untyped.FindLiterallyCalls,
+    untyped.LiteralUnroll, untyped.LiteralPropagationSubPipelinePass, NopythonRewrites,
 )  # fmt: skip
 DIGEST_DIGITS = 40
 _BY_SYMBOL: dict[str, tuple[str, str, Arguments]] = {}  # the noinline kernels of this process
@@ -97,11 +105,18 @@ def _kernel(function: Callable[..., Any], noinline: bool, options: dict[str, Any
 
 
 class _Pipeline(compiler.Compiler):
-    """numba's own, but for the name of what it compiles, which is the same in all processes."""
+    """numba's own, but for what kernels do not need and the name of what it compiles, the same in all processes."""
 
     def __init__(self, number: int, is_taken_in: bool, *rest: Any) -> None:
         super().__init__(*rest)
         self.number, self.is_taken_in = number, is_taken_in
+
+    def define_pipelines(self) -> list[PassManager]:
+        """numba's passes, but for those that are left out."""
+        passes = PassManager("kernel")
+        passes.passes = [named for named in super().define_pipelines()[0].passes if named[0] not in LEFT_OUT]
+        passes.finalize()
+        return [passes]
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
         """Compile the function under its qualified name and this number."""
@@ -110,7 +125,7 @@ class _Pipeline(compiler.Compiler):
         identity.unique_name = f"{identity.func_qualname}${self.number}"
         self.state.func_id = identity
         self.state.library = new_library(self.state.targetctx, identity.func_qualname, is_taken_in=self.is_taken_in)
-        ExtractByteCode().run_pass(self.state)
+        untyped.ExtractByteCode().run_pass(self.state)
         self.state.lifted = ()
         self.state.lifted_from = None
         return self._compile_bytecode()
