@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound, RotaError
+from rota.model.columns import columns
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.model.planner_registry import DEFAULT
@@ -168,14 +169,7 @@ def load_compiled_loops(planner: str = DEFAULT) -> None:
 
 def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:
     """The outcomes as plain text, a row each."""
-    rows = [HEAD, *(_row(outcome) for outcome in outcomes)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
-    words = (0, len(HEAD) - 1)
-    lines = []
-    for row in rows:
-        cells = [c.ljust(w) if k in words else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
+    return columns([HEAD, *(_row(outcome) for outcome in outcomes)], (0, len(HEAD) - 1))
 
 
 def _row(outcome: MethodOutcome) -> tuple[str, ...]:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from shapely import box
 
-from rota.draw.routes import arrowheads, corner_times_s, corners, routes_of
+from rota.draw.routes import arrowheads, corners, routes_of
 from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.model.plan import Plan, Trajectory
+from rota.routes.moments import corner_times_s
 
 SQUARE = np.array([(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)], float)
 

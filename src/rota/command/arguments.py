@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -9,11 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from rota.command.terminal import STANDARD_STREAM
+from rota.command.terminal import STANDARD_STREAM, say
+from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from rota.model.mission import Mission
     from rota.model.plan import Plan
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -50,3 +53,27 @@ def require_target(target: str, source: str | Path) -> None:
 
     if target != STANDARD_STREAM:
         atomic_write.require_target(target, source)
+
+
+def read_and_warn(path: str | Path) -> Mission:
+    """The mission of a file, with its warnings told."""
+    from rota.files.mission_file import read_mission
+
+    read = read_mission(path)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    return read.mission
+
+
+def wind_given(text: str, otherwise: str) -> tuple[float, float | None]:
+    """The speed of the wind and where it comes from, if the text says so; ``otherwise``: from where else, in words."""
+    try:
+        speed_m_s, *rest = (float(number) for number in text.split(","))
+        if len(rest) > 1 or not all(map(math.isfinite, (speed_m_s, *rest))) or speed_m_s < 0:
+            raise ValueError
+    except ValueError:
+        raise RotaError(
+            f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
+            f" comes from, 0 north, 90 east; or M_S alone, such as 5: {otherwise}"
+        ) from None
+    return speed_m_s, rest[0] if rest else None

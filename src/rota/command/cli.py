@@ -17,6 +17,7 @@ from rota.command.arguments import (
     EffortName,
     PlanPath,
     cluster_or_none,
+    read_and_warn,
     read_plan_argument,
     require_target,
 )
@@ -108,7 +109,6 @@ def plan(
     """Plan a mission, check the plan, and write it."""
     from rota.files.atomic_write import require_suffix
     from rota.files.checkpoint_file import read_checkpoint
-    from rota.files.mission_file import read_mission
     from rota.planning.planner import planner_of
 
     target = output if output is not None else f"{mission.stem}.rota.json"
@@ -122,10 +122,8 @@ def plan(
         with saying_when_interrupted("no plan: the search had not begun"):
             if (long := reading_ahead(mission)) is not None:
                 say(long)
-            read = read_mission(mission)
-            for warning in read.warnings:
-                say(f"warning: {warning}")
-            asked = read.mission if effort is None else read.mission.with_effort(effort)
+            asked = read_and_warn(mission)
+            asked = asked if effort is None else asked.with_effort(effort)
             planner = planner_of(asked)
             for long in planner.long_work(asked):
                 say(f"this takes long: {long}")

@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
-from rota.command.arguments import PICTURES, EffortName, require_target
+from rota.command.arguments import PICTURES, EffortName, read_and_warn, require_target
 from rota.command.exit_codes import DONE, NO_PLAN
 from rota.command.interrupt import stop_on_interrupt
-from rota.command.terminal import progress_bar, say
+from rota.command.terminal import progress_bar
 from rota.compiled.compiled_cache import mention_compiling
 
 
@@ -26,16 +26,13 @@ def compare(
     """Plan a mission by several methods, side by side."""
     from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
     from rota.files.atomic_write import require_suffix
-    from rota.files.mission_file import read_mission
     from rota.planning.planner import planner_of
 
     if output is not None:
         require_suffix(output, PICTURES, "a picture")
         require_target(output, source=mission)
-    read = read_mission(mission)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    asked = read.mission if effort is None else read.mission.with_effort(effort)
+    asked = read_and_warn(mission)
+    asked = asked if effort is None else asked.with_effort(effort)
     names = named_methods(asked, methods)
     mention_compiling(*planner_of(asked).compiled_packages(asked), "check")
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from rota.command.arguments import wind_given
 from rota.command.executed import in_phase_every, require_no_flights, table_of_worst
 from rota.command.without_mass import WORTH_SAYING
 from rota.compiled.compiled_cache import mention_compiling
-from rota.errors import RotaError
+from rota.model.columns import columns
 
 if TYPE_CHECKING:
     from rota.check import Report
@@ -55,9 +56,9 @@ class ByVehicle:
             round_s = each.motion.round_s
             cells = [f"{each.planned_s:.1f}", f"{round_s:.1f}", f"{each.factor:.2f}", f"{round_s - each.planned_s:.1f}"]
             rows.append((each.way.robot, *(cells if each.planned_s else ["stays", "", "", ""]), f"{cut_m:.1f}"))
-        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", "", *_align(rows), ""]
+        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", "", columns(rows), ""]
         if self.directions:
-            lines += [*_align([("wind from", "verdict", "worst ratio", "slowest round"), *self._directions()]), ""]
+            lines += [columns([("wind from", "verdict", "worst ratio", "slowest round"), *self._directions()]), ""]
         return "\n".join([*lines, table_of_worst(report)])
 
     def _directions(self) -> list[tuple[str, ...]]:
@@ -202,17 +203,8 @@ def _winds_given(text: str) -> tuple[Wind, ...]:
     """The wind of the text M_S,FROM_DEG, or of M_S from each direction. Raises RotaError for other texts."""
     from rota.vehicles.motion import Wind
 
-    try:
-        speed_m_s, *rest = (float(number) for number in text.split(","))
-        if not rest:
-            return _from_each_direction(speed_m_s)
-        (from_deg,) = rest
-        return (Wind(speed_m_s=speed_m_s, from_deg=from_deg),)
-    except (ValueError, RotaError):
-        raise RotaError(
-            f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
-            " comes from, 0 north, 90 east; or M_S alone, such as 5: from eight directions"
-        ) from None
+    speed_m_s, from_deg = wind_given(text, "from eight directions")
+    return _from_each_direction(speed_m_s) if from_deg is None else (Wind(speed_m_s=speed_m_s, from_deg=from_deg),)
 
 
 def _from_each_direction(speed_m_s: float) -> tuple[Wind, ...]:
@@ -221,15 +213,6 @@ def _from_each_direction(speed_m_s: float) -> tuple[Wind, ...]:
     if speed_m_s == 0:
         return (Wind(),)
     return tuple(Wind(speed_m_s=speed_m_s, from_deg=float(from_deg)) for from_deg in DIRECTIONS_DEG)
-
-
-def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """A line for each row, the first cell to the left and all others to the right, under each other."""
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return [
-        "  ".join([name.ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row, widths[1:], strict=True))])
-        for name, *row in rows
-    ]
 
 
 def _factor(plan: Plan, vehicle: Vehicle) -> float:

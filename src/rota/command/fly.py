@@ -25,6 +25,7 @@ from rota.command.terminal import STANDARD_STREAM, say
 from rota.command.without_mass import without_mass
 from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import RotaError
+from rota.model.columns import columns
 
 if TYPE_CHECKING:
     from rota.command.fly_along import Along
@@ -305,9 +306,7 @@ def _summary(link: Link, routes: Sequence[Route], ways: Sequence[LayeredWay]) ->
                 led.get(route.robot, f"{off_m:.1f}" if off_m is not None else "-"),
             )
         )
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join((row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:]))) for row in rows]
-    return "\n".join([*lines, f"{len(routes)} routes sent; read back, each is the one sent."])
+    return f"{columns(rows)}\n{len(routes)} routes sent; read back, each is the one sent."
 
 
 def _round(route: Route) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from rota.command.arguments import read_and_warn
 from rota.command.terminal import say
 from rota.model.plan import Plan
 
@@ -16,14 +17,11 @@ def plan_for_mission(plan: Plan, mission: Path) -> Plan:
     be read, PlanError for one whose fleet or area the trajectories do not fit.
     """
     from rota.files.mission_changes import changes
-    from rota.files.mission_file import read_mission
     from rota.files.mission_json import mission_to_json
 
-    read = read_mission(mission)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    told = changes(mission_to_json(plan.mission), mission_to_json(read.mission))
+    now = read_and_warn(mission)
+    told = changes(mission_to_json(plan.mission), mission_to_json(now))
     if not told:
-        return replace(plan, mission=read.mission)
+        return replace(plan, mission=now)
     say(f"the plan was made for another mission than {mission}: {'; '.join(told)}")
-    return replace(plan.without_bound(), mission=read.mission)
+    return replace(plan.without_bound(), mission=now)

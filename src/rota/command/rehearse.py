@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Annotated
 
 import typer
@@ -15,6 +14,7 @@ from rota.command.arguments import (
     cluster_or_none,
     read_plan_argument,
     require_target,
+    wind_given,
 )
 from rota.command.exit_codes import DONE
 from rota.command.interrupt import saying_when_interrupted
@@ -66,7 +66,7 @@ def rehearse(
     if output is not None:
         require_suffix(output, PICTURES, "a picture")
         require_target(output, source=plan)
-    speed_noise, (wind_m_s, wind_from_deg) = _share(noise), _wind(wind)
+    speed_noise, (wind_m_s, wind_from_deg) = _share(noise), wind_given(wind, "in each run from elsewhere")
     answer = read_plan_argument(plan)
     mention_compiling("rehearsal", "live", "check", *(compiled_packages(answer.mission) if replan else ()))
     with (
@@ -96,20 +96,6 @@ def _share(text: str) -> float:
         return float(text[:-1]) / 100 if text.endswith("%") else float(text)
     except ValueError:
         raise RotaError(f"--speed-noise: {text!r} is not allowed; a share is needed, such as 5% or 0.05") from None
-
-
-def _wind(text: str) -> tuple[float, float | None]:
-    """The speed of the wind and where it comes from, if the text says so."""
-    try:
-        speed_m_s, *rest = (float(number) for number in text.split(","))
-        if len(rest) > 1 or not all(map(math.isfinite, (speed_m_s, *rest))) or speed_m_s < 0:
-            raise ValueError
-    except ValueError:
-        raise RotaError(
-            f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
-            " comes from, 0 north, 90 east; or M_S alone, such as 5: in each run from elsewhere"
-        ) from None
-    return speed_m_s, rest[0] if rest else None
 
 
 def _by_option(message: str) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rota.check import compiled_packages
-from rota.command.arguments import PlanPath, read_plan_argument, require_target
+from rota.command.arguments import PlanPath, read_and_warn, read_plan_argument, require_target
 from rota.command.exit_codes import DONE, NO_PLAN, VIOLATED
 from rota.command.interrupt import stop_on_interrupt
 from rota.command.plan import write_or_print
@@ -19,7 +19,6 @@ from rota.compiled.compiled_cache import mention_compiling
 from rota.errors import MissionError, NoPlanFound, RotaError
 
 if TYPE_CHECKING:
-    from rota.model.mission import Mission
     from rota.replanning.replan import Replanned
 
 OPTIONS = {  # by what they are called in Python
@@ -67,7 +66,7 @@ def replan(
     """
     require_target(output, source=plan)
     before = read_plan_argument(plan)
-    changed = None if mission is None else _changed_mission(mission)
+    changed = None if mission is None else read_and_warn(mission)
     shares = _numbers(battery or [], "--battery", "SHARE", "robot-6=0.4")
     places, delays = _places(joined or []), _numbers(late or [], "--late", "S", "robot-2=8")
     asked = changed or before.mission
@@ -106,16 +105,6 @@ def _teller(output: str) -> Callable[[Replanned], None]:
         say(f"after {time.monotonic() - began_s:.1f} s: {found.report.verdict}; {told}")
 
     return tell
-
-
-def _changed_mission(path: Path) -> Mission:
-    """The mission of a file, with its warnings told."""
-    from rota.files.mission_file import read_mission
-
-    read = read_mission(path)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    return read.mission
 
 
 def _show(found: Replanned, target: str) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rota.command.arguments import require_target
+from rota.command.arguments import read_and_warn, require_target
 from rota.command.exit_codes import DONE
 from rota.command.interrupt import stop_on_interrupt
 from rota.command.terminal import say
@@ -105,7 +105,7 @@ def swarm_node(
     **options: Any,
 ) -> None:
     """Be one robot of a swarm; it knows only what others send."""
-    asked = _read(mission)
+    asked = read_and_warn(mission)
     number = _number_of(asked, robot)
     settings = _settings(asked, **options)
     processes = _processes(asked, settings)
@@ -146,7 +146,7 @@ def swarm_launch(
     if coverage is not None:
         require_suffix(coverage, (".csv",), "a table")
         require_target(coverage, source=mission)
-    asked = _read(mission)
+    asked = read_and_warn(mission)
     chosen = None if robots is None else _numbers_of(asked, robots)
     processes = _processes(asked, _settings(asked, **options))
     fleet = asked.fleet.robots or ()
@@ -195,15 +195,6 @@ def _line(robot: RobotRecord) -> str:
     dropped = f", {robot.dropped} datagrams that it could not read" if robot.dropped else ""
     ends = {"runs": "to the end", "left": "until it left", "silent": "until it fell silent"}
     return f"{robot.robot}: {robot.ticks} decisions at {robot.rate_hz:.1f} Hz {ends[robot.end]}{lost}{dropped}"
-
-
-def _read(path: Path) -> Mission:
-    from rota.files.mission_file import read_mission
-
-    read = read_mission(path)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    return read.mission
 
 
 def _processes(mission: Mission, settings: ProcessSettings) -> RobotProcesses:

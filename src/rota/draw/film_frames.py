@@ -21,12 +21,13 @@ from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours
-from rota.draw.routes import corner_times_s, routes_of
+from rota.draw.routes import routes_of
 from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import takes_turns
+from rota.routes.moments import corner_times_s
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import FLOWN_ONCE, route_style
-from rota.model.plan import Plan, Trajectory
+from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights, takes_turns
 from rota.routes.served_loops import Service, corners, loop_letter, same_ring, service_of
 
@@ -38,16 +38,6 @@ class Route:
     def length_m(self) -> float:
         """Length of the loop in metres; 0 for robots that stay."""
         return float(np.hypot(*np.diff(self.loop_m, axis=0).T).sum())
-
-
-def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats:
-    """The times (n,) in seconds between ``from_s`` and ``to_s`` at which a robot is at one of its timed points."""
-    times_s, start_s, duration_s = trajectory.times_s, trajectory.loop_start_s, trajectory.loop_duration_s
-    if duration_s > 0:
-        rounds = np.arange(max(0, np.floor((from_s - start_s) / duration_s)), np.ceil((to_s - start_s) / duration_s))
-        looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * duration_s
-        times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
-    return times_s[(times_s > from_s) & (times_s < to_s)]
 
 
 def serves_loops(plan: Plan) -> bool:

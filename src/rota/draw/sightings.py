@@ -13,10 +13,10 @@ from shapely.geometry.base import BaseGeometry
 from rota.cells.cell_map import CellMap
 from rota.check.counting import counts
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
-from rota.draw.routes import corner_times_s
 from rota.model.mission import DiscSensor, Mission, Sensor, inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.flights import on_charger
+from rota.routes.moments import corner_times_s
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

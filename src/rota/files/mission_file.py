@@ -18,14 +18,17 @@ from rota.files.local_file import read_text
 from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, listed_robots
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import mission_block
-from rota.files.mission_starts import chargers_of, entrance_warnings, fleet_at_its_starts, lanes_of, moving_obstacles
+from rota.files.mission_starts import entrance_warnings, fleet_at_its_starts, in_metres
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.model.fields import fields_of
 from rota.model.mission import (
     NO_PERIOD,
     NOTHING_MATTERS,
+    Charger,
     DiscSensor,
+    Lane,
     Mission,
+    MovingObstacle,
     PlannerSettings,
     Sensor,
     inner_reach_m,
@@ -231,9 +234,9 @@ def _mission(file: Values, ground: Ground) -> Mission:
     values = {item.name: file[item.name] for item in fields_of(Mission) if item.name in file}
     values |= {name: getattr(ground, name) for name in ("area", "obstacles", "zones", "importance", "origin")}
     values["fleet"] = fleet_at_its_starts(fleet_of(file["fleet"]), file, ground)[0]
-    values["moving_obstacles"] = moving_obstacles(file, ground)
-    values["lanes"] = lanes_of(file, ground)
-    values["chargers"] = chargers_of(file, ground)
+    values["moving_obstacles"] = in_metres(MovingObstacle, "moving_obstacles", "positions_m", file, ground)
+    values["lanes"] = (*ground.lanes, *in_metres(Lane, "lanes", "line_m", file, ground))
+    values["chargers"] = in_metres(Charger, "chargers", "at", file, ground)
     if ground.lanes:
         values["period_s"] = None  # it is that of the graph's places
     return Mission(**values, planning=_planning(file))

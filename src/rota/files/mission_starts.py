@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from shapely import MultiPolygon
 
@@ -18,9 +18,7 @@ from rota.files.yaml_text import Place
 from rota.model.mission import (
     Charger,
     Fleet,
-    Lane,
     Mission,
-    MovingObstacle,
     StartBox,
     StartPoints,
     charger_faults,
@@ -35,6 +33,7 @@ from rota.planning.planner import planner_named
 START: Place = ("fleet", "start")
 ENTRANCES: Place = ("fleet", "entrances")
 RALLY_POINTS: Place = ("fleet", "rally_points")
+Made = TypeVar("Made")
 
 
 class _Written(NamedTuple):
@@ -66,7 +65,7 @@ def fleet_at_its_starts(fleet: Fleet, file: Values, ground: Ground) -> tuple[Fle
     faults = start_faults(ground.area, _blocking(ground), placed) + corner_faults(
         ground.area, _blocking(ground), placed
     )
-    faults += charger_faults(ground.area, _blocking(ground), placed, chargers_of(file, ground))
+    faults += charger_faults(ground.area, _blocking(ground), placed, in_metres(Charger, "chargers", "at", file, ground))
     faults += sensor_faults(ground.zones, placed)
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
@@ -91,46 +90,26 @@ def entrance_warnings(mission: Mission, file: Values) -> list[Fault]:
     return [Fault(("area", "inside"), f"no body fits there; robots come in at [{x:.6g}, {y:.6g}], {away_m:.3g} m away")]
 
 
-def moving_obstacles(file: Values, ground: Ground) -> tuple[MovingObstacle, ...]:
-    """The mission's moving obstacles in local metres. Raises MissionError for a place that no projection holds."""
+def in_metres(kind: type[Made], key: str, place: str, file: Values, ground: Ground) -> tuple[Made, ...]:
+    """What a list of the file makes, each with its ``place``, one or several, in local metres.
+
+    Raises MissionError for places that no projection holds, and as what is made does, each with its number in the list.
+    """
     to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
-    moving = []
-    for k, block in enumerate(file.get("moving_obstacles", ())):
-        places = enumerate(block["positions_m"])
-        written = [_Written(("moving_obstacles", k, "positions_m", j), at) for j, at in places]
+    made = []
+    for k, block in enumerate(file.get(key, ())):
+        at: Any = block[place]
         try:
-            positions = tuple(map(to_metres, written))
+            if isinstance(at[0], tuple):
+                at = tuple(to_metres(_Written((key, k, place, j), one)) for j, one in enumerate(at))
+            else:
+                at = to_metres(_Written((key, k, place), at))
+            made.append(kind(**{**block, place: at}))
         except _Misplaced as error:
-            raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
-        moving.append(MovingObstacle(**{**block, "positions_m": positions}))
-    return tuple(moving)
-
-
-def chargers_of(file: Values, ground: Ground) -> tuple[Charger, ...]:
-    """The mission's chargers in local metres. Raises MissionError for a place that no projection holds."""
-    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
-    chargers = []
-    for k, block in enumerate(file.get("chargers", ())):
-        try:
-            chargers.append(Charger(**{**block, "at": to_metres(_Written(("chargers", k, "at"), block["at"]))}))
-        except _Misplaced as error:
-            raise MissionError(*(f"chargers[{k}]: {fault.message}" for fault in error.faults)) from None
-    return tuple(chargers)
-
-
-def lanes_of(file: Values, ground: Ground) -> tuple[Lane, ...]:
-    """The mission's lanes in local metres. MissionError for lanes to nowhere and places that no projection holds."""
-    to_metres = _Metres(ground, in_degrees=file.get("coordinates") == "wgs84")
-    lanes = list(ground.lanes)
-    for k, block in enumerate(file.get("lanes", ())):
-        written = [_Written(("lanes", k, "line_m", j), at) for j, at in enumerate(block["line_m"])]
-        try:
-            lanes.append(Lane(**{**block, "line_m": tuple(map(to_metres, written))}))
-        except _Misplaced as error:
-            raise MissionError(*(f"lanes[{k}]: {fault.message}" for fault in error.faults)) from None
+            raise MissionError(*(f"{key}[{k}]: {fault.message}" for fault in error.faults)) from None
         except MissionError as error:
-            raise MissionError(*(f"lanes[{k}]: {fault}" for fault in error.faults)) from None
-    return tuple(lanes)
+            raise MissionError(*(f"{key}[{k}]: {fault}" for fault in error.faults)) from None
+    return tuple(made)
 
 
 def _inside(file: Values) -> tuple[float, float] | None:

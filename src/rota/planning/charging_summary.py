@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rota.model.columns import columns
 from rota.model.plan import Plan, Trajectory
 
 
@@ -62,11 +63,7 @@ def charging_table(plan: Plan) -> str:
         lines.append(
             (row.robot, f"{row.round_s:.0f}", str(row.flights), f"{row.longest_s:.0f}", f"{row.away:.0%}", least)
         )
-    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
-    return "\n".join(
-        "  ".join([line[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(line[1:], widths[1:], strict=True))])
-        for line in lines
-    )
+    return columns(lines)
 
 
 def charging_sentence(plan: Plan) -> str:

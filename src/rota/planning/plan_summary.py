@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.columns import columns
 from rota.model.mission import AREA, DiscSensor, Mission, Sensor, Zone
 from rota.model.plan import Plan, Trajectory
 from rota.model.polygons import polygons_of
@@ -133,13 +134,7 @@ def robots_table(plan: Plan) -> str:
         slack = "shared" if row.slack is None else f"{row.slack:.0%}"
         served = ", ".join(row.zones) or "nothing"
         lines.append((row.robot, round_off(row.loop_length_m), round_off(row.loop_time_s), slack, served))
-    name, *numbers = (max(len(line[k]) for line in lines) for k in range(4))
-    return "\n".join(
-        "  ".join(
-            [line[0].ljust(name), *(cell.rjust(width) for cell, width in zip(line[1:4], numbers, strict=True)), line[4]]
-        )
-        for line in lines
-    )
+    return columns(lines, (0, 4))
 
 
 def robots_sentence(plan: Plan) -> str:

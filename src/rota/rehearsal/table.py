@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from rota.model.columns import columns
 from rota.rehearsal.estimates import Estimate
 from rota.rehearsal.outcome import DemandOutcome, Rehearsal
 from rota.rehearsal.stages import TAKES_OVER_S
@@ -29,11 +30,7 @@ def rehearsal_table(made: Rehearsal) -> str:
     if made.runs > 1:
         lines.append("in brackets: 95 % confidence intervals")
     rows = [HEAD, *(_row(each) for each in made.demands)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
-    lines.append("")
-    for name, *cells in rows:
-        right = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
-        lines.append("  ".join([name.ljust(widths[0]), *right]))
+    lines += ["", columns(rows)]
     lines += _contact_lines(made) + _charging_lines(made)
     late = sorted((each for each in made.demands if each.late_s.mean > 0), key=lambda each: -each.late_s.mean)
     lines += [_worst_text(each) for each in late[:TOLD]]

@@ -264,3 +264,13 @@ def _rounds(trajectory: Trajectory, from_s: float, to_s: float) -> tuple[Floats,
         places.append(trajectory.positions_m[index + 1 :])
         legs.append(changes[index:])
     return without_cuts((np.concatenate(rows), np.concatenate(places), np.concatenate(legs)), seams)
+
+
+def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats:
+    """The times (n,) in seconds between ``from_s`` and ``to_s`` at which a robot is at one of its timed points."""
+    times_s, start_s, duration_s = trajectory.times_s, trajectory.loop_start_s, trajectory.loop_duration_s
+    if duration_s > 0:
+        rounds = np.arange(max(0, np.floor((from_s - start_s) / duration_s)), np.ceil((to_s - start_s) / duration_s))
+        looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * duration_s
+        times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
+    return times_s[(times_s > from_s) & (times_s < to_s)]

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rota.files.spreadsheet_cells import as_cells
+from rota.model.columns import columns
 from rota.sweep.planned_cells import Row
 
 LEVEL = 0.95
@@ -116,21 +117,14 @@ def summary_table(found: Sequence[Summary]) -> str:
     """The summaries as plain text, a row each: mean ± half-width of the interval."""
     fields = list(dict.fromkeys(path for summary in found for path in summary.settings))
     measures = measures_of(found)
-    head = ["mission", "planner", "effort", *fields, "met", "bound", *(MEASURES[name][0] for name in measures)]
-    rows = [head]
+    rows = [["mission", "planner", "effort", *fields, "met", "bound", *(MEASURES[name][0] for name in measures)]]
     for each in found:
         settings = [show_value(each.settings[path]) if path in each.settings else "-" for path in fields]
         bound = "-" if each.bound is None else str(each.bound)
         means = [_mean_in_words(each.means.get(name), MEASURES[name][1]) for name in measures]
         names = [each.mission, each.planner, each.effort or "-"]
         rows.append([*names, *settings, f"{each.met} of {each.cells}", bound, *means])
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    words = 3 + len(fields)
-    lines = []
-    for row in rows:
-        cells = [c.ljust(w) if k < words else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
+    return columns(rows, range(3 + len(fields)))
 
 
 def _mean_in_words(mean: Mean | None, digits: int) -> str:

@@ -10,6 +10,7 @@ from rota.errors import PlanError
 from rota.files.ros.names import namespaces
 from rota.model.plan import Floats, Plan, Trajectory
 from rota.routes.constant_speeds import at_constant_speeds, plan_at_constant_speeds
+from rota.routes.moments import corner_times_s
 
 USUAL_STEP_S = 0.1
 MOST_BETWEEN = 50_000  # poses of a whole plan that are not at timed points: beyond that steps are longer
@@ -88,7 +89,7 @@ def sampled_tracks(plan: Plan, span_s: float) -> list[Track]:
         )
     step_s = max(USUAL_STEP_S, span_s * len(plan.trajectories) / MOST_BETWEEN)
     return [
-        Motion(trajectory).track(namespace, _with_steps(point_times_s(trajectory, span_s), span_s, step_s))
+        Motion(trajectory).track(namespace, _with_steps(corner_times_s(trajectory, -1.0, span_s), span_s, step_s))
         for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
     ]
 
@@ -108,16 +109,6 @@ def _points_until(trajectory: Trajectory, span_s: float) -> float:
     if trajectory.loop_duration_s == 0:
         return len(trajectory.times_s)
     return len(trajectory.times_s) * (1 + max(span_s - trajectory.loop_start_s, 0.0) / trajectory.loop_duration_s)
-
-
-def point_times_s(trajectory: Trajectory, span_s: float) -> Floats:
-    """The times (n,) in seconds from 0 to ``span_s`` at which a robot is at one of its timed points."""
-    times_s = trajectory.times_s
-    if trajectory.loop_duration_s > 0:
-        rounds = np.arange(np.ceil((span_s - trajectory.loop_start_s) / trajectory.loop_duration_s))
-        looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * trajectory.loop_duration_s
-        times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
-    return times_s[times_s <= span_s]
 
 
 def _ways_rad(points: Floats) -> Floats:
