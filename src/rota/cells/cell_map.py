@@ -10,9 +10,9 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission
 
-Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 MAX_CELLS_ALONG = 1600
@@ -51,7 +51,7 @@ class CellMap:
         return np.column_stack([self.x_m[columns], self.y_m[rows]])
 
 
-def neighbours(cell_map: CellMap) -> NDArray[np.int64]:
+def neighbours(cell_map: CellMap) -> Ints:
     """For each cell (rows, columns) the flat index of the cell whose value to show there: its own, where it is inside.
 
     A cell whose centre lies in a wall or just outside may still reach inside; it shows what a neighbour shows.

@@ -6,13 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 class FacedCells(NamedTuple):
@@ -23,7 +20,7 @@ class FacedCells(NamedTuple):
 
     cells: Ints
     headings_rad: Floats
-    entered: NDArray[np.bool_]
+    entered: Flags
 
 
 def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:

@@ -6,18 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from shapely import MultiPolygon
 
+from rota.model.arrays import Floats
 from rota.model.importance import ImportanceMap
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.model.refusals import require
 from rota.planning.plan_summary import range_at_the_end
-
-Floats = NDArray[np.float64]
 
 SAMPLES = 3  # along each side of a cell: how finely the borders of zones are told
 MOST_CELLS = 2**18

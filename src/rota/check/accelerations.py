@@ -23,16 +23,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.report import Violation, violation
 from rota.check.tolerances import ACCELERATION_TOLERANCE, FLOAT_EPS, OFF_M, STILL_M, TURN_TOLERANCE_RAD
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.model.violation_kinds import ViolationKind
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ROUNDS = 4  # of a loop that are looked at, so that all that spans its seam is whole in one
 VAGUE_M_S = 1e-3  # of rounding in the velocity of a leg, beyond which it tells nothing: one of a millionth of a second
@@ -255,7 +252,7 @@ def _vertex_violations(
     return list(violations.values())
 
 
-def _turns(motion: _Motion) -> NDArray[np.bool_]:
+def _turns(motion: _Motion) -> Flags:
     """At which vertices (n - 1,) the direction changes by more than rounding; never beside a stop."""
     velocity = motion.begin_m_s + motion.end_m_s
     speed = _sizes(velocity)

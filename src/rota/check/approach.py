@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from rota.check.arrays import Floats, Ints
 
 HALVINGS = 60  # of an interval of 0..1, after which float64 has nothing between its ends
 
@@ -34,7 +33,7 @@ def gaps_at(gap_m: Floats, drift_m: Floats, bow_m: Floats, shares: Floats) -> Fl
     return np.asarray(gaps)
 
 
-def _gaps_with_bow(bow_m: Floats) -> NDArray[np.int64]:
+def _gaps_with_bow(bow_m: Floats) -> Ints:
     """Which gaps have a bow; most plans have none at all, which is soon seen."""
     return np.flatnonzero(bow_m.any(axis=1)) if bow_m.any() else np.zeros(0, np.int64)
 

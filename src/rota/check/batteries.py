@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Floats
 from rota.check.charging import battery_levels
 from rota.model.mission import Robot
 from rota.model.plan import Plan, Trajectory
-
-Floats = NDArray[np.float64]
 
 
 class Battery:

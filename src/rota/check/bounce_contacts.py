@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Ints
 from rota.check.bounce_floor import Floor
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.model.plan import Plan, Trajectory
-
-Ints = NDArray[np.int64]
 
 
 class Around:

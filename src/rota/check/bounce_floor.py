@@ -10,15 +10,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import EDGE_RAD, FLOAT_EPS, SAME_CELL, TOUCH_M
 from rota.model.mission import Bouncing, Mission
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 MOST_CELLS = 4_000_000
 

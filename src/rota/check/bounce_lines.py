@@ -8,16 +8,14 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.check.arrays import Floats
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import AHEAD_M, ALONG_WALL, BOUNCE_TOLERANCE_RAD, STILL_M, TOUCH_M
 from rota.model.mission import Mission
 from rota.model.plan import Trajectory
 from rota.model.violation_kinds import ViolationKind
-
-Floats = NDArray[np.float64]
 
 
 class Walls:

@@ -13,8 +13,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Ints
 from rota.check.bounce_contacts import Around
 from rota.check.bounce_floor import Floor
 from rota.check.bounce_lines import Walls, line_violations
@@ -23,8 +23,6 @@ from rota.check.tolerances import BOUNCE_TOLERANCE_RAD, TOUCH_M
 from rota.model.mission import Bouncing
 from rota.model.plan import Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
-
-Ints = NDArray[np.int64]
 
 MOST_MOVES = 5_000_000  # of one robot
 

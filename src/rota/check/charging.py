@@ -15,8 +15,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats
 from rota.check.report import Violation, violation
 from rota.check.routes import Routes
 from rota.check.stays import crowded_violations, hasty_violations, stays_on_s
@@ -24,8 +24,6 @@ from rota.check.tolerances import BATTERY_S, SAME_TIME, SLOW_SHARE, STILL_M, TOU
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +47,7 @@ class Levels:
         return level_s - max(0.0, self.falls_s) * rounds
 
 
-def docked_rows(times_s: Floats, charges: Sequence[Charge]) -> NDArray[np.bool_]:
+def docked_rows(times_s: Floats, charges: Sequence[Charge]) -> Flags:
     """Which legs (n - 1,) between times (n,) are spent at a charger."""
     docked = np.zeros(len(times_s) - 1, np.bool_)
     for charge in charges:
@@ -57,7 +55,7 @@ def docked_rows(times_s: Floats, charges: Sequence[Charge]) -> NDArray[np.bool_]
     return docked
 
 
-def docked_legs(plan: Plan, routes: Routes) -> NDArray[np.bool_]:
+def docked_legs(plan: Plan, routes: Routes) -> Flags:
     """Which legs (m,) of ``routes_of(plan)`` robots spend at a charger; where one stays for ever, too."""
     docked = np.zeros(len(routes.robots), np.bool_)
     for k, trajectory in enumerate(plan):

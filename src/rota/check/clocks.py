@@ -12,17 +12,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.distances import segment_distances
 from rota.check.near_legs import near_ways
 from rota.check.report import Violation, violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of
 from rota.check.tolerances import CLOCK_TOLERANCE, PARALLEL, STILL_M2_S2, TOUCH_M
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FOR_EVER_S = 1e12
 CHUNK = 500_000
@@ -140,7 +137,7 @@ def _bent_shifts(a: _Bent, b: _Bent, apart_m: Floats) -> tuple[Floats, Floats]:
     return np.where(touch, found_low, np.nan), np.where(touch, found_high, np.nan)
 
 
-def _halve(pair: Ints, parts: Floats, of_a: NDArray[np.bool_]) -> tuple[Ints, Floats]:
+def _halve(pair: Ints, parts: Floats, of_a: Flags) -> tuple[Ints, Floats]:
     """Parts (4, n) of two legs' times, from, to and from, to, with the one of the first leg or of the other halved."""
     first, second = parts.copy(), parts.copy()
     for leg, chosen in ((0, of_a), (2, ~of_a)):

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon, difference, distance, intersection, points, union_all
 
+from rota.check.arrays import Floats
 from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
 from rota.model.mission import AREA, Demand, Mission, Obstacle, Zone
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

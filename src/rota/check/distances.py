@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from rota.check.arrays import Floats
 
 
 def segment_distances(a: Floats, b: Floats) -> tuple[Floats, Floats]:

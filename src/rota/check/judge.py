@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.check.arrays import Floats, Ints
 from rota.check.bouncing import bounce_violations
 from rota.check.charging import charging_violations
 from rota.check.clocks import clock_margin_s, clock_violations
@@ -37,9 +37,6 @@ from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.model.mission import Mission, StartBox, StartPoints
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_UNMET_POINTS = 200_000
 

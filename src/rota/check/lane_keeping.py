@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.arrays import Floats, Ints
 from rota.check.lane_kernels import first_jumps
 from rota.check.motion import row_ahead
 from rota.check.report import MOST_PER_ROBOT, Violation, violation
@@ -16,8 +17,6 @@ from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M
 from rota.model.mission import Lane
 from rota.model.plan import Plan, Trajectory
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Truths = NDArray[np.bool_]
 
 

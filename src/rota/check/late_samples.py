@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check import lateness_kernels
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.charging import docked_rows, undocked_routes
 from rota.check.counting import Names, counting_before, counting_robots, groups_of
 from rota.check.demands import DemandedGround, demands_of, visits
@@ -25,9 +25,6 @@ from rota.check.timing_kernels import time_along
 from rota.check.tolerances import NO_LENGTH, PERIOD_TOLERANCE, slack_of
 from rota.model.mission import DiscSensor, Mission
 from rota.model.plan import Plan, Seam
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_LEGS = 2_000_000  # of loops driven until all is seen again; of more nothing is told
 ENOUGH, MOST = 1_000, 2_000  # sample points of a demand
@@ -163,7 +160,7 @@ def _unroll(routes: Routes, turns: Ints, to_s: float) -> Routes:
     )
 
 
-def _routes_before(seam: Seam) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]]:
+def _routes_before(seam: Seam) -> tuple[Routes, tuple[Floats, Flags]]:
     """What was driven before, each leg once, and what robots saw with."""
     legs, times, bends, robots = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty(0)], [np.empty(0, np.int64)]
     for k, driven in enumerate(seam.driven):

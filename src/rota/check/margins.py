@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import contains_xy, get_coordinates
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.charging import battery_levels, undocked_routes
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.margin_report import Margin
@@ -19,9 +19,6 @@ from rota.check.revisits import loop_gap, piece_gaps, sights_along
 from rota.check.routes import Routes, routes_of, sensors_of
 from rota.check.tolerances import PERIOD_TOLERANCE, slack_of
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 MOST_PLACES = 2_000
 MOST_CORNERS = 500
@@ -165,7 +162,7 @@ class _Looked:
             places=len(self.points_m),
         )
 
-    def _least_range(self, places: NDArray[np.int64], most_m: float) -> tuple[float, NDArray[np.int64]]:
+    def _least_range(self, places: Ints, most_m: float) -> tuple[float, Ints]:
         """By how much less all robots may see before the first of some places is late, and those that are late then."""
         low_m, high_m, late = 0.0, most_m, places
         while high_m - low_m > STEP * float(self.reaches_m.min()):
@@ -177,7 +174,7 @@ class _Looked:
                 low_m = middle_m
         return low_m, late
 
-    def _late(self, places: NDArray[np.int64], less_m: float) -> NDArray[np.int64]:
+    def _late(self, places: Ints, less_m: float) -> Ints:
         """Those of some places that wait longer than their periods where all robots see so much less far."""
         return places[self._gaps_s(self.points_m[places], less_m) > self.periods_s[places]]
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.check.accelerations import acceleration_violations
+from rota.check.arrays import Floats
 from rota.check.blocking import blocks_motion
 from rota.check.distances import point_distances, segment_distances
 from rota.check.report import MOST_PER_ROBOT, Violation, few_of_each_kind, violation
@@ -22,8 +22,6 @@ from rota.check.turning import turn_radius_violations, turn_violations
 from rota.model.mission import Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.model.violation_kinds import ViolationKind
-
-Floats = NDArray[np.float64]
 
 _ONE_AT_A_TIME = threading.Lock()
 MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together

@@ -7,16 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.check.approach import gaps_at, nearest_shares
+from rota.check.arrays import Floats
 from rota.check.report import APART, Violation, violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import TOUCH_M
 from rota.model.mission import MovingObstacle
 from rota.model.plan import Plan, Trajectory
-
-Floats = NDArray[np.float64]
 
 MOST_POINTS = 1_000_000  # to which a loop is followed; of a longer way every phase is taken to occur, on the safe side
 

@@ -14,12 +14,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.distances import segment_distances
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of
 from rota.check.tolerances import TOUCH_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEWEST_IN_SLICE = 64
 MOST_AT_ONCE = 2_000_000  # pairs of legs that one question to a tree may give
@@ -87,7 +85,7 @@ def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
         yield from ((a, b) for a, b, _ in _near_pairs(routes, lines, own, beside, reach_m))
 
 
-def _beside(routes: Routes, own: Ints, others: NDArray[np.bool_], reach_m: float) -> Ints:
+def _beside(routes: Routes, own: Ints, others: Flags, reach_m: float) -> Ints:
     """Those of other legs whose boxes come within a distance of the box round one's own."""
     low = np.minimum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
     high = np.maximum(routes.legs_m[:, :2], routes.legs_m[:, 2:])

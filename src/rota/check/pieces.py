@@ -11,10 +11,8 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check import tiling_kernels
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.tolerances import CONVEX_SHARE
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,7 +25,7 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.offsets) - 1
 
-    def choose(self, which: Ints | NDArray[np.bool_]) -> Pieces:
+    def choose(self, which: Ints | Flags) -> Pieces:
         """The pieces at these indices, or where the mask is true."""
         index = np.flatnonzero(which) if which.dtype == np.bool_ else which
         counts = np.diff(self.offsets)[index]

@@ -6,14 +6,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Floats
 from rota.check.report import Violation, violation
 from rota.check.routes import TRANSIENT, Routes
 from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
 
 
 def away_times_s(plan: Plan) -> tuple[Floats, Floats]:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats
 from rota.check.counting import Names, counts
 from rota.check.demands import demands_of
 from rota.check.judge import Verdicts, judge_points, judge_visits, too_much_excluded
@@ -19,8 +19,6 @@ from rota.check.routes import Routes, routes_driven
 from rota.check.tiled_ground import findings_by_group
 from rota.errors import PlanError
 from rota.model.mission import DiscSensor, Mission
-
-Floats = NDArray[np.float64]
 
 FINEST_M = 0.05  # robots know no better where they are
 
@@ -103,7 +101,7 @@ def check_recording(
 
 def _drive(
     mission: Mission, tracks: Sequence[RecordedTrack], tolerance_m: float
-) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]]:
+) -> tuple[Routes, tuple[Floats, Flags]]:
     """All legs as driven once, and what the robots of each see with.
 
     A sensor whose reach depends on the height has one entry for each height, as a robot of its own.

@@ -7,16 +7,13 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.findings import Findings, together
 from rota.check.pieces import Pieces, point_pieces, quarter
 from rota.check.revisits import Sights, passing_gaps, piece_gaps, swath_cuts
 from rota.check.tolerances import INSIDE, ROUNDING, SPOT_M
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 IsSeeable = Callable[[Pieces, Ints], Flags]
 
 MOST_PIECES = 600_000

@@ -10,9 +10,7 @@ from dataclasses import asdict, dataclass, fields, is_dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rota.check.arrays import Floats, Ints
 from rota.check.holding import Holding
 from rota.check.late_report import Lateness
 from rota.check.margin_report import Margin
@@ -55,7 +53,7 @@ class Violation:
 def violation(
     kind: ViolationKind,
     who: str,
-    place_m: Sequence[float] | NDArray[np.float64] | None,
+    place_m: Sequence[float] | Floats | None,
     time_s: float | None,
     value: float,
     limit: float,
@@ -131,10 +129,10 @@ class Report:
     violations: tuple[Violation, ...]
     first_coverage_s: float | None
     holds_from_s: float
-    unmet_points_m: NDArray[np.float64]
-    unmet_demand: NDArray[np.int64]
-    shown_unmet_m: NDArray[np.float64]
-    shown_unmet_demand: NDArray[np.int64]
+    unmet_points_m: Floats
+    unmet_demand: Ints
+    shown_unmet_m: Floats
+    shown_unmet_demand: Ints
     run_end: RunEnd | None = None
     holding: Holding | None = None
     clock_margin_s: float | None = None

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import contains_xy, intersects_xy, prepare
 
 from rota.check import gap_kernels, kernels, lateness_kernels, passing_kernels, tiling_kernels, window_kernels
-from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
+from rota.check.arrays import Binned, Flags, Floats, Grid, Ints, Legs, Loops, Scene, SeenTimes, Team, Ways
 from rota.check.blocking import blocks_sight
 from rota.check.charging import undocked_routes
 from rota.check.counting import counting_robots
@@ -88,7 +87,7 @@ class Gaps:
     gaps_s: Floats
     begins_s: Floats
     firsts_s: Floats
-    exact: NDArray[np.bool_]
+    exact: Flags
 
 
 def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
@@ -100,7 +99,7 @@ def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights
 
 def sights_along(
     routes: Routes,
-    sensors: tuple[Floats, NDArray[np.bool_]],
+    sensors: tuple[Floats, Flags],
     mission: Mission,
     bounds_m: tuple[float, float, float, float],
     window_s: tuple[float, float] | None = None,
@@ -143,7 +142,7 @@ def sights_along(
     )
 
 
-def _ways_of(legs_m: Floats, robots: Ints, sensors: tuple[Floats, NDArray[np.bool_]]) -> tuple[Ints, Ints]:
+def _ways_of(legs_m: Floats, robots: Ints, sensors: tuple[Floats, Flags]) -> tuple[Ints, Ints]:
     """The first leg of each way, (w,) ascending, and the way (m,) that each leg (m, 4) goes; see ``Ways``."""
     if not len(legs_m):
         return np.zeros(0, np.int64), np.zeros(0, np.int64)

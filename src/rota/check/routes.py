@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import get_coordinates, get_parts, get_rings, linestrings, points
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.tolerances import FLOAT_EPS, SAME_RATIO, SAME_STEP
 from rota.model.mission import DiscSensor
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 LARGEST_DENOMINATOR = 64
@@ -171,7 +169,7 @@ def classes_in_step(durations_s: Floats, ends_s: Floats) -> tuple[Ints, Ints, Fl
     return classes, whole, np.concatenate([[loops_s[0] / parts[0]], np.ones(len(durations_s))])
 
 
-def _perhaps_alike(durations_s: Floats, one_s: float) -> NDArray[np.bool_]:
+def _perhaps_alike(durations_s: Floats, one_s: float) -> Flags:
     """Which durations (n,) may be p / q of another one; of the rest ``_ratio`` is None."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = np.maximum(durations_s, one_s) / np.minimum(durations_s, one_s)
@@ -192,7 +190,7 @@ def _ratio(longer_s: float, shorter_s: float) -> Fraction | None:
     return nearest if abs(ratio - float(nearest)) <= SAME_RATIO * ratio else None
 
 
-def sensors_of(plan: Plan) -> tuple[Floats, NDArray[np.bool_]]:
+def sensors_of(plan: Plan) -> tuple[Floats, Flags]:
     """Radius or half side (k,) in metres, and whether the sensor is a square (k,), of each trajectory's robot."""
     sensors = [plan.mission.fleet.robot(trajectory.robot).sensor for trajectory in plan]
     reaches = [s.radius_m if isinstance(s, DiscSensor) else s.side_m / 2 for s in sensors]

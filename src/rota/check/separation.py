@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.approach import gaps_at, nearest_shares
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.charging import undocked_routes
 from rota.check.distances import segment_distances
 from rota.check.near_legs import near_legs
@@ -21,9 +21,6 @@ from rota.check.report import APART, Violation, violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
 from rota.check.tolerances import SAME_TURN, TOUCH_M
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 BOUNCING_CELLS = 1e-3  # that a bouncing robot's body is wide at least, as a radius
 MOST_MEETINGS = 5_000_000  # of legs in one phase; of pairs with more every phase is taken to occur, on the safe side
@@ -101,7 +98,7 @@ def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies
     _note_any_phase(closest, routes, bodies, a[free], b[free])
 
 
-def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: Flags) -> tuple[Floats, Floats]:
     """First and last multiple of ``step`` by which the time of b must be shifted to overlap a; 0, 0 where step is 0."""
     (a0, a1), (b0, b1) = routes.times_s[a].T, routes.times_s[b].T.copy()
     a1 = np.where(routes.kinds[a] == HOLD, np.inf, a1)
@@ -121,7 +118,7 @@ def _note_meetings(
     a: Ints,
     b: Ints,
     shift_s: Floats,
-    in_loops: NDArray[np.bool_],
+    in_loops: Flags,
 ) -> None:
     """Closest approach while a robot is on leg a and the other on leg b, whose times are ``shift_s`` later."""
     start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0] + shift_s)
@@ -228,7 +225,7 @@ def _note_any_phase(closest: dict[tuple[int, int], _Closest], routes: Routes, bo
         _note(closest, routes, a[k], b[k], float(distance[k]), place, None)
 
 
-def _worst_of_pairs(routes: Routes, a: Ints, b: Ints, distance: Floats, chosen: NDArray[np.bool_]) -> Ints:
+def _worst_of_pairs(routes: Routes, a: Ints, b: Ints, distance: Floats, chosen: Flags) -> Ints:
     """For each pair of robots the index of its smallest distance among the chosen."""
     index = np.flatnonzero(chosen)
     order = index[np.argsort(distance[index], kind="stable")]

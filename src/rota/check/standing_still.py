@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags
 from rota.check.charging import docked_rows
 from rota.check.report import Violation, violation
 from rota.check.tolerances import SAME_TIME, SLOW_SHARE, SLOW_TIME, STILL_M
@@ -45,7 +45,7 @@ def _first_stand(trajectory: Trajectory, robot: Robot) -> Iterator[Violation]:
         )
 
 
-def _stays(trajectory: Trajectory, speed_m_s: float) -> NDArray[np.bool_]:
+def _stays(trajectory: Trajectory, speed_m_s: float) -> Flags:
     """Which legs (n - 1,) away from chargers are stays, of the way there and of the loop each by itself."""
     lasts_s = np.diff(trajectory.times_s)
     ways_m = np.hypot(*np.diff(trajectory.positions_m[:, :2], axis=0).T)

@@ -12,14 +12,13 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Floats
 from rota.check.report import Violation, violation
 from rota.check.routes import commensurable_classes
 from rota.check.tolerances import SAME_TIME
 from rota.model.plan import Charge, Driven, Plan, Trajectory
 
-Floats = NDArray[np.float64]
 MOST_STAYS = 2_000_000  # at one charger, counted one by one; of more, robots are taken to come all at once
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Ints
 from rota.check.counting import Names, groups_of
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.findings import Findings
@@ -22,8 +22,6 @@ from rota.check.seeable import is_ragged, seeable_ground
 from rota.check.standing import standing_areas
 from rota.check.tolerances import PERIOD_TOLERANCE, SLIVER_SHARE, slack_of
 from rota.model.mission import DiscSensor, Mission
-
-Ints = NDArray[np.int64]
 
 FINEST_M = 0.01  # pieces are not cut below this size
 FEW_PIECES = 50_000  # still open on ragged ground: all that is unmet among them is told
@@ -92,7 +90,7 @@ def tile_and_refine(
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
-    def is_seeable(pieces: Pieces, numbers: Ints) -> NDArray[np.bool_]:
+    def is_seeable(pieces: Pieces, numbers: Ints) -> Flags:
         can_see, middles_m = np.ones(len(pieces), np.bool_), pieces.centres_m()
         with one_at_a_time:
             for k in np.unique(numbers):

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check import tiling_kernels
-from rota.check.arrays import STANDING, WALL, Floats, Grid, Ints, Triangles
+from rota.check.arrays import STANDING, WALL, Flags, Floats, Grid, Ints, Triangles
 from rota.check.tolerances import GRID_MARGIN_M
 
 ALONG = (0.29, 0.5, 0.71)  # where a side is asked whether it is one of a wall
@@ -71,7 +71,7 @@ def _triangles_beyond(triangles: Ints, corners: int) -> Ints:
     return np.asarray(beyond.reshape(-1, 3))
 
 
-def _are_walls(ends_m: Floats, walls: Any, standing: Any, near_m: float) -> NDArray[np.bool_]:
+def _are_walls(ends_m: Floats, walls: Any, standing: Any, near_m: float) -> Flags:
     """Whether each side, ends (n, 2, 2), lies on walls and bodies do not stand at it: (n,) flags."""
     are_walls = np.ones(len(ends_m), np.bool_)
     shapely.prepare(walls)

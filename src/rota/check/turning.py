@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.charging import docked_rows
 from rota.check.distances import point_distances
 from rota.check.report import Violation, violation
@@ -22,9 +22,6 @@ from rota.check.tolerances import (
 )
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TURNED_S = 1.0  # on a charger, after which a robot may face anywhere; by less it only touches the ground
 
@@ -162,7 +159,7 @@ def _tight_corners(places_m: Floats, charged_s: Floats, robot: Robot, whole: tup
 
 def _corners_of(
     places_m: Floats, charged_s: Floats, robot: Robot, whole: tuple[bool, bool]
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Floats, Flags]:
     """Of the corners (n,) of a way past places (n + 2, 2): what each takes of its legs for a radius of 1, for which
     radius they leave it room, and whether the robot is turned there; see ``_tight_corners``.
     """

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure as Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.cells.cell_map import cell_map_of, neighbours
@@ -29,9 +28,8 @@ from rota.draw.picture_file import write_picture
 from rota.draw.plan_picture import BAR_TEXT
 from rota.draw.two_maps import Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
-
-Floats = NDArray[np.float64]
 
 CELLS = 100_000
 LOWEST = 0.9  # the scale of shares begins there at most

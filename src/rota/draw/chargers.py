@@ -7,15 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 
 from rota.draw.mission_picture import FONT_PT, plain, points_per_metre
 from rota.draw.palette import CHARGER, CHARGER_INK
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.routes.flights import has_flights
-
-Floats = NDArray[np.float64]
 
 SIDE_PT, BOLT_PT, BESIDE_PT = 9.5, 7.0, 7.5
 SPOT_PT = 18.0  # between robots on one charger, whose marks and bars are to stay apart

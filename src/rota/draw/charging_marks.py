@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from numpy.typing import NDArray
 
 from rota.check.batteries import batteries_of
 from rota.draw.chargers import draw_chargers, spots_of
@@ -18,10 +17,9 @@ from rota.draw.mission_picture import points_per_metre
 from rota.draw.palette import CHARGER, DOCKED, FILLED_LOW, FILLED_WELL, RESERVE, ink_on
 from rota.draw.route_lines import robot_colours
 from rota.draw.routes import flight_colour, serves_loops, service_in
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights, on_charger
-
-Floats = NDArray[np.float64]
 
 FILM_COLOURS = (DOCKED, CHARGER, FILLED_WELL, FILLED_LOW, RESERVE)
 BAR_PT, BAR_HIGH_PT, BELOW_PT = 10.5, 2.2, 7.4

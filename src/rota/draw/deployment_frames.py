@@ -6,16 +6,14 @@ import numpy as np
 import shapely
 from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from rota.draw.deployment_maps import COVERED_ALPHA, covered_colour, path_of
 from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
+from rota.model.arrays import Floats
 from rota.planning.plan_summary import range_from
 from rota.routes.flights import on_charger
-
-Floats = NDArray[np.float64]
 
 MANY_MARK, FEW_MARK = 5.0, 85.0  # square points
 

@@ -12,7 +12,6 @@ from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
-from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from rota.cells.importance_cells import importance_in_range
@@ -22,12 +21,11 @@ from rota.draw.palette import COVERED, COVERED_EDGE, GROUND, ink_on
 from rota.draw.route_lines import robot_colours
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
 from rota.planning.plan_summary import least_range_s, range_at, range_from, round_off
 from rota.routes.flights import on_charger, takes_turns
-
-Floats = NDArray[np.float64]
 
 COVERED_ALPHA = 0.3  # so that what two robots cover is darker
 NUMBERED_ROBOTS = 60  # with more, numbers would hide the map

@@ -12,7 +12,6 @@ from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.colors import Normalize, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from rota.cells.cell_map import cell_map_of, neighbours
 from rota.draw.charging_marks import FILM_COLOURS, ChargingMarks
@@ -24,12 +23,11 @@ from rota.draw.route_lines import robot_colours
 from rota.draw.routes import routes_of
 from rota.draw.sightings import Sightings
 from rota.draw.zone_labels import draw_zone_labels
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.routes.flights import takes_turns
 from rota.routes.moments import corner_times_s
-
-Floats = NDArray[np.float64]
 
 DPI = 100
 # a GIF keeps each change of each cell: with few levels there are fewer

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Mission, Sensor
-
-Floats = NDArray[np.float64]
 
 EDGE_ON_M = 1e-9
 LEAST_M = 1e-9  # radius of what a sensor on the ground sees

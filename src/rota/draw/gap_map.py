@@ -11,13 +11,11 @@ from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
-from numpy.typing import NDArray
 
 from rota.cells.cell_map import Bools, CellMap, cell_map_of, neighbours
 from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
 
 # a gap that equals the period to rounding meets it
 ON_TIME = 1 + 1e-9

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from rota.model.arrays import Ints
+
 Frame = NDArray[np.uint8]
 Palette = NDArray[np.uint8]
 
@@ -30,18 +32,18 @@ def palette_of(sample: Frame, keys: Palette) -> Palette:
     return palette
 
 
-def _codes(frame: Frame) -> NDArray[np.int64]:
+def _codes(frame: Frame) -> Ints:
     """Each pixel's red, green and blue as one number, (rows, columns)."""
     red, green, blue = (frame[..., k].astype(np.int64) for k in range(3))
     return (red << 16) | (green << 8) | blue
 
 
-def _colours(codes: NDArray[np.int64]) -> Palette:
+def _colours(codes: Ints) -> Palette:
     """Red, green and blue (n, 3) of codes (n,)."""
     return np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=1).astype(np.uint8)
 
 
-def _nearest(codes: NDArray[np.int64], palette: Palette) -> NDArray[np.uint8]:
+def _nearest(codes: Ints, palette: Palette) -> NDArray[np.uint8]:
     """The place in the palette (n,) of the colour nearest to each code (n,)."""
     unique, inverse = np.unique(codes, return_inverse=True)
     apart = ((_colours(unique).astype(np.int64)[:, None] - palette) ** 2).sum(axis=2)

@@ -8,13 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Patch, PathPatch
-from numpy.typing import NDArray
 
 from rota.cells.importance_cells import ImportanceCells, importance_cells
 from rota.draw.palette import GROUND, IMPORTANT
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
-
-Floats = NDArray[np.float64]
 
 CELLS_ACROSS, DARKER = 400.0, 0.6
 SHADES = LinearSegmentedColormap.from_list("importance", [GROUND, IMPORTANT])

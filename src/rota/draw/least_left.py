@@ -10,13 +10,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from rota.draw.mission_picture import FONT_PT, plain
 from rota.draw.palette import BATTERY, RESERVE
 from rota.draw.two_maps import Chart
-
-Floats = NDArray[np.float64]
+from rota.model.arrays import Floats
 
 MOST_ROWS = 40  # robots; of more those with the least to spare are shown
 ROW_IN, HALF_ROW, NAME = 0.2, 0.32, 18

@@ -11,7 +11,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import is_deployment
@@ -20,6 +19,7 @@ from rota.draw.gif_file import Frame, palette_of, write_gif
 from rota.draw.house_style import house_style
 from rota.errors import RotaError
 from rota.files.atomic_write import replaced_file, require_suffix
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
@@ -33,9 +33,7 @@ def _positive(name: str, value: float | None, most: float) -> None:
         raise RotaError(f"{name}: {value!r} is not allowed; must be greater than 0 and at most {most:g}")
 
 
-def film_times_s(
-    plan: Plan, seconds: float | None, fps: int, speedup: float | None
-) -> tuple[NDArray[np.float64], float]:
+def film_times_s(plan: Plan, seconds: float | None, fps: int, speedup: float | None) -> tuple[Floats, float]:
     """The plan's time (n,) in seconds at each frame, and the speed-up.
 
     What is shown begins at 0 and lasts to the end of the first round of every loop, unless ``seconds`` and ``speedup``

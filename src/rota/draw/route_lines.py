@@ -8,17 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 
 from rota.draw.chargers import charger_entry, draw_chargers
 from rota.draw.mission_picture import plain, points_per_metre
 from rota.draw.palette import DOCKED, ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of, service_in
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.planning.plan_summary import round_off
 from rota.routes.flights import has_flights, takes_turns
-
-Floats = NDArray[np.float64]
 
 MARK_PT = 10.5
 MARK_FONT_PT = 7.0

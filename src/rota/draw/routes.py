@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.draw.palette import FLOWN_ONCE, route_style
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.routes.flights import flights_of, has_flights, takes_turns
 from rota.routes.served_loops import Service, corners, loop_letter, same_ring, service_of
-
-Floats = NDArray[np.float64]
 
 SAME_PLACE_M = 1e-6
 ONCE = -1  # what flights serve that are flown once

@@ -13,12 +13,12 @@ from shapely.geometry.base import BaseGeometry
 from rota.cells.cell_map import CellMap
 from rota.check.counting import counts
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Mission, Sensor, inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.flights import on_charger
 from rota.routes.moments import corner_times_s
 
-Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 # looks per reach of the sensor: beside obstacles, where a look is one footprint, four miss less than 1 % of its width

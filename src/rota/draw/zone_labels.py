@@ -8,17 +8,15 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.text import Text
-from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, box, maximum_inscribed_circle
 from shapely.geometry.base import BaseGeometry
 
 from rota.draw.mission_picture import FONT_PT, asked_everywhere, demand_in_words, plain, points_per_metre
 from rota.draw.palette import ZONE_EDGE
 from rota.draw.routes import Route
+from rota.model.arrays import Floats
 from rota.model.mission import Mission, Zone
 from rota.model.polygons import polygons_of
-
-Floats = NDArray[np.float64]
 
 # from the middle outwards
 STEPS_3, STEPS_4 = (0, -1, 1, -2, 2, -3, 3), (0, 1, -1, 2, -2, 3, -3, 4, -4)

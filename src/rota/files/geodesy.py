@@ -7,14 +7,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rota.errors import MissionError, PlanError
+from rota.model.arrays import Floats
 from rota.model.mission import GeoPoint, Mission
 
 ORIGIN_DECIMALS = 7  # 1e-7 degrees: about a centimetre, and what MAVLink's integers carry
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

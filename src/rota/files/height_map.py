@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.files.raster_map import Site, read_raster
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
-
-Floats = NDArray[np.float64]
 
 HIGHEST_M = 12_000.0  # from the deepest sea or to the highest mountain, and some more
 

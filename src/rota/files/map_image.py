@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.files.local_file import read_bytes
+from rota.model.arrays import Floats
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -25,7 +25,7 @@ _STRIP_ROWS = 64
 _PGM_NUMBER = re.compile(rb"(?:\s|#[^\r\n]*)*(\d+)")
 
 
-def read_brightness(path: Path, *, alpha_counts: bool) -> NDArray[np.float64]:
+def read_brightness(path: Path, *, alpha_counts: bool) -> Floats:
     """(rows, columns) brightness in 0..255, the top row first.
 
     Channels are averaged; with ``alpha_counts`` opacity is one of them (map_server's trinary mode, map_io.cpp in nav2).
@@ -39,7 +39,7 @@ def read_brightness(path: Path, *, alpha_counts: bool) -> NDArray[np.float64]:
     raise MissionError(f"{path}: neither PGM (P2 or P5) nor PNG; convert the image to one of them")
 
 
-def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
+def _read_pgm(path: Path, data: bytes) -> Floats:
     """The grey values, 0 to 255, of a PGM image; MissionError for a damaged one."""
     at, header = 2, []
     for field in ("width", "height", "maxval"):
@@ -67,14 +67,14 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
     return pixels if brightest == 255 else pixels * 255 / brightest
 
 
-def _plain_values(path: Path, text: bytes) -> NDArray[np.float64]:
+def _plain_values(path: Path, text: bytes) -> Floats:
     words = re.sub(rb"#[^\r\n]*", b"", text).split()
     if not all(word.isdigit() and len(word) <= _MOST_DIGITS for word in words):
         raise MissionError(f"{path}: damaged PGM: a P2 file holds whole numbers up to 65535 only")
     return np.array(words, dtype=np.float64)
 
 
-def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.float64]:
+def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> Floats:
     """The grey values, 0 to 255, of a PNG image; MissionError for a damaged one."""
     from PIL import Image
 
@@ -94,7 +94,7 @@ def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.floa
         raise MissionError(f"{path}: damaged PNG: {error}") from None
 
 
-def _average(image: Image.Image, mode: str, channels: int) -> NDArray[np.float64]:
+def _average(image: Image.Image, mode: str, channels: int) -> Floats:
     """The mean of an image's first channels in a mode, strip by strip: eight bytes a channel would not fit."""
     columns, rows = image.size
     mean = np.empty((rows, columns))

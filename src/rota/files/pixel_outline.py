@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, STRtree, box, get_coordinates, linestrings, polygons, union_all
 from shapely.geometry.polygon import orient
 
+from rota.model.arrays import Flags, Floats
 from rota.model.polygons import polygons_of
 
 LARGEST_DEVIATION = 0.5  # pixels
 SEAL = 0.1  # pixels: from where two unset pixels touch to the corners of what joins them
 
-Floats = NDArray[np.float64]
 
-
-def exact_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
+def exact_outline(pixels: Flags) -> MultiPolygon:
     """The union of the pixels that are set, without needless corners.
 
     pixels: (rows, columns); pixels[row, column] fills the unit square whose lower left corner is (column, row). Empty
@@ -30,7 +28,7 @@ def exact_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
     return polygons_of(union_all(box(starts, rows, ends, rows + 1)).simplify(0))
 
 
-def sealed_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
+def sealed_outline(pixels: Flags) -> MultiPolygon:
     """The exact outline, with a square of a hundredth of a pixel taken out where unset pixels touch at a corner only.
 
     Without it one could look through between them, along a single line from every place.
@@ -46,7 +44,7 @@ def sealed_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
     return polygons_of(outline.difference(MultiPolygon(list(seals))))
 
 
-def straight_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
+def straight_outline(pixels: Flags) -> MultiPolygon:
     """The outline of the pixels, sealed, with the stairs of slanted walls straightened.
 
     The new border runs through points of the sealed one, and neither is farther than half a pixel from the other

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.files.geodesy import Projection
 from rota.files.local_file import read_bytes
 from rota.files.map_image import MOST_PIXELS, read_brightness
+from rota.model.arrays import Floats
 from rota.model.mission import GeoPoint
 
-Floats = NDArray[np.float64]
 Scale = tuple[float, float]  # what black and white stand for
 
 PIXEL_SCALE, TIE_POINT, GEO_KEYS, NO_DATA = 33550, 33922, 34735, 42113  # tags of GeoTIFF 1.1

@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, force_2d, from_wkt, is_valid_reason
 from shapely.errors import ShapelyError
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.limits import COORDINATE
 from rota.model.polygons import polygons_of
 
@@ -97,7 +97,7 @@ def fault_point(shape: BaseGeometry) -> str:
     return f"({float(place[1]):.9g}, {float(place[2]):.9g})" if place else "an unknown point"
 
 
-def circle_ring(centre: tuple[float, float], radius: float) -> NDArray[np.float64]:
+def circle_ring(centre: tuple[float, float], radius: float) -> Floats:
     """(64, 2) corners of the regular 64-gon whose sides touch the circle from outside, so that it contains it."""
     angles = (np.arange(CIRCLE_CORNERS) + 0.5) * (2 * math.pi / CIRCLE_CORNERS)
     # the factor beyond 1 / cos keeps the sides outside the circle when coordinates are rounded

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clip, grown_box
+from rota.model.arrays import Floats
 from rota.model.mission import AREA, TOUCH_M, Demand, Mission, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.model.start_faults import ENTRANCE_NEAR
-
-Floats = NDArray[np.float64]
 
 # Overlays of polygons that share borders leave slivers of rounding error; nothing a robot could stand in is this small.
 _SLIVER_M2 = 1e-9

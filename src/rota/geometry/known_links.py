@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from rota.geometry.corner_kernels import KnownLinks
-
-Floats = NDArray[np.float64]
+from rota.model.arrays import Floats
 
 NEAR_CHANGE_M = 0.01  # of a changed border: within it all is looked at anew
 

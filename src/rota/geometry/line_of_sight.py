@@ -13,8 +13,8 @@ from shapely import MultiPolygon, Polygon
 
 from rota.geometry import kernels, sight_kernels
 from rota.geometry.kernels import EdgeGrid
+from rota.model.arrays import Floats, Ints
 
-Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 Number = TypeVar("Number", np.float64, np.int64)
 
@@ -153,7 +153,7 @@ def _between(lines: Floats, rays: Floats) -> Floats:
     return _ring(lines, angles, nearest)
 
 
-def _ring(lines: Floats, angles: Floats, nearest: NDArray[np.int64]) -> Floats:
+def _ring(lines: Floats, angles: Floats, nearest: Ints) -> Floats:
     """Both ends of each run of sectors in which one line is nearest; the origin where an obstacle begins at it."""
     sectors = np.flatnonzero(nearest != -1)  # a sector without a line is narrower than rounding
     seen = nearest[sectors]

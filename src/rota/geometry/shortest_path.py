@@ -18,9 +18,7 @@ from rota.geometry.kernels import EdgeGrid
 from rota.geometry.known_links import boxes_of_change, known_links, nothing_known
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.threads import side_by_side
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from rota.model.arrays import Floats, Ints
 
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 50

@@ -10,13 +10,12 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.polygons import polygons_of
 
-Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 MOST_CORNERS = 3_000  # that one geometry call is given; a box no wider than its margin may hold more

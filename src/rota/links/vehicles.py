@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.links.link import Mode
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.plan import Trajectory
 from rota.routes.route import Place3, Route, RouteStop
-
-Floats = NDArray[np.float64]
 
 PACE_MEMORY_S = 10.0  # in which a vehicle's pace becomes another
 SLOWEST, FASTEST = 0.2, 2.0  # paces, as multiples of the planned speed
@@ -124,10 +122,10 @@ class Tables:
     start_m: Floats
     step_m: Floats
     duration_s: Floats
-    is_drive: NDArray[np.bool_]
+    is_drive: Flags
     most: Floats
-    stops: NDArray[np.bool_]
-    after: NDArray[np.int64]
+    stops: Flags
+    after: Ints
 
 
 @dataclass(kw_only=True)
@@ -151,14 +149,14 @@ class Vehicles:
     stop_noise_s: float = 0.0
     time_s: float = 0.0
     battery: Floats = field(init=False)
-    running: NDArray[np.bool_] = field(init=False)
+    running: Flags = field(init=False)
     positions_m: Floats = field(init=False)
     held_until_s: Floats = field(init=False)
     told_pace: Floats = field(init=False)
     _noise: Floats = field(init=False)
-    _segment: NDArray[np.int64] = field(init=False)
+    _segment: Ints = field(init=False)
     _done_s: Floats = field(init=False)
-    _grounded: NDArray[np.bool_] = field(init=False)
+    _grounded: Flags = field(init=False)
     _stood_s: Floats = field(init=False)
     _leaves_s: Floats = field(init=False)
     _tables: Tables | None = None
@@ -210,7 +208,7 @@ class Vehicles:
         if tables is not None and waits and leaves and math.isfinite(tables.duration_s[at]):
             self._done_s[k] = tables.duration_s[at]
 
-    def _firsts(self) -> NDArray[np.int64]:
+    def _firsts(self) -> Ints:
         """The number of each vehicle's first segment; each drive is followed by one that lasts for ever."""
         counts = [1 + len(vehicle.drive.segments) if vehicle.drive else 1 for vehicle in self.vehicles]
         return np.cumsum([0, *counts[:-1]], dtype=np.int64)
@@ -295,7 +293,7 @@ class Vehicles:
         used = np.where(at_pad, 0.0, moving * duration_s / self.battery_s) + self.takeoffs * leaves
         self.battery = np.clip(self.battery + filled - used, 0.0, 1.0)
 
-    def _gains(self, before_m: Floats, duration_s: float) -> tuple[NDArray[np.bool_], Floats]:
+    def _gains(self, before_m: Floats, duration_s: float) -> tuple[Flags, Floats]:
         """Who is at a pad, (n,), and what a second adds to each battery (n,): to those that neither land nor climb.
 
         They have stood there since they were at ``before_m``, so many seconds ago.

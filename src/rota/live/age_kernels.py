@@ -7,12 +7,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.kernels import part_in_range
 from rota.check.tiling_kernels import cell_along
 from rota.compiled.kernel import kernel
 from rota.geometry.kernels import point_in_space, point_sees_point, segment_is_free
+from rota.model.arrays import Flags, Floats
 
 
 class Driven(NamedTuple):
@@ -21,10 +21,10 @@ class Driven(NamedTuple):
     reaches_m: (m,) radii, or half sides where squares (m,) is set.
     """
 
-    legs_m: NDArray[np.float64]
-    times_s: NDArray[np.float64]
-    reaches_m: NDArray[np.float64]
-    squares: NDArray[np.bool_]
+    legs_m: Floats
+    times_s: Floats
+    reaches_m: Floats
+    squares: Flags
 
 
 @kernel

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.arrays import Binned, Grid
 from rota.check.counting import Names, counts, groups_of
@@ -14,11 +13,10 @@ from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.live import age_kernels
 from rota.live.places import Places, sort_in_bins
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.fleet import DiscSensor, Robot, inner_reach_m
 from rota.model.mission import Mission
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Place = tuple[float, float, float]
 
 FASTER, FREE_REACHES = 1.5, 0.25  # a robot may have gone so many times as far as it can, and a part of its reach
@@ -34,7 +32,7 @@ def is_jump(robot: Robot, before: Place, after: Place, time_s: float) -> bool:
 class _Group:
     """Places for which the same sensors count: (n,) numbers of points, where they are, and the zones to visit."""
 
-    counts: NDArray[np.bool_]
+    counts: Flags
     points: Ints
     points_m: Floats
     bins: tuple[Grid, Binned]

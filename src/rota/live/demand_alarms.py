@@ -6,15 +6,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.live.ages import Ages
 from rota.live.forecast import Forecast, Lapse
 from rota.live.notices import DemandStanding, DemandState, Notice, names_in_words, place_text, seconds
 from rota.live.ways import Ways
+from rota.model.arrays import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Place = tuple[float, float]
 
 CALM_LOOKS = 3  # forecasts in a row without a lapse until an alarm is taken back

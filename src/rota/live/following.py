@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.live import following_kernels
+from rota.model.arrays import Floats, Ints
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # a robot that falls behind by a share of the time between these is held up, over so long and so far a way: a slow
 # one stands still within the error of its reports

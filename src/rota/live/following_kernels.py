@@ -7,10 +7,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
+from rota.model.arrays import Floats, Ints
 
 # of the speed: metres away that a second of another lag weighs as much as; the second one where the first finds nothing
 DOUBTS = (0.1, 0.001)
@@ -24,11 +24,11 @@ class PlannedRoutes(NamedTuple):
     speeds_m_s: (k,) top speeds.
     """
 
-    offsets: NDArray[np.int64]
-    knots_s: NDArray[np.float64]
-    knots_m: NDArray[np.float64]
-    loop_starts: NDArray[np.int64]
-    speeds_m_s: NDArray[np.float64]
+    offsets: Ints
+    knots_s: Floats
+    knots_m: Floats
+    loop_starts: Ints
+    speeds_m_s: Floats
 
 
 @kernel

@@ -6,15 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.live import kernels
 from rota.live.kernels import Team
 from rota.live.places import Places
 from rota.live.planned_sights import sights_of_plan
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
 
 PERIODS_AHEAD = 2.0  # how far a forecast looks, in periods of the demand
 

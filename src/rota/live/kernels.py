@@ -7,7 +7,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.arrays import Parts
 from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts
@@ -17,6 +16,7 @@ from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.timing_kernels import time_along
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
+from rota.model.arrays import Flags, Floats, Ints
 
 SAME_S = 1e-9  # a sight that ends no later than this after a moment brings nothing on
 MOST_STEPS = 100_000  # sights that one place is followed through
@@ -29,11 +29,11 @@ class PlannedSights(NamedTuple):
     robots: (s,) which robot. starts_s, ends_s: (s,) seconds of the plan. again: (s,) whether it repeats with the loop.
     """
 
-    offsets: NDArray[np.int64]
-    robots: NDArray[np.int64]
-    starts_s: NDArray[np.float64]
-    ends_s: NDArray[np.float64]
-    again: NDArray[np.bool_]
+    offsets: Ints
+    robots: Ints
+    starts_s: Floats
+    ends_s: Floats
+    again: Flags
 
 
 @by_reference
@@ -43,9 +43,9 @@ class Team(NamedTuple):
     lags_s: (k,) how far each is behind its plan. until_s: (k,) how long it goes on; -inf: it is not counted on.
     """
 
-    loops_s: NDArray[np.float64]
-    lags_s: NDArray[np.float64]
-    until_s: NDArray[np.float64]
+    loops_s: Floats
+    lags_s: Floats
+    until_s: Floats
 
 
 @kernel

@@ -9,17 +9,14 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.check import tiling_kernels
 from rota.check.arrays import Binned, Grid
 from rota.check.demands import DemandedGround, demands_of
 from rota.check.seeable import seeable
 from rota.check.standing import standing_areas
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission, inner_reach_m
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PLACES_PER_REACH = 8  # lattice steps along a sensor's reach
 FEWEST_ALONG = 6  # lattice steps along the side of a square as large as the region

@@ -16,15 +16,14 @@ from rota.check.routes import HOLD, LOOP
 from rota.check.timing_kernels import time_along
 from rota.live import kernels
 from rota.live.kernels import PlannedSights
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Sensor
 from rota.model.plan import Plan
 
 Sight = tuple[int, float, float, bool]
 
 
-def sights_of_plan(
-    plan: Plan, points_m: NDArray[np.float64], demand: NDArray[np.int64], demands: Sequence[DemandedGround]
-) -> PlannedSights:
+def sights_of_plan(plan: Plan, points_m: Floats, demand: Ints, demands: Sequence[DemandedGround]) -> PlannedSights:
     """When robots that count for it see each place by plan, and are inside each of the demands to visit.
 
     points_m: (m, 2); demand: (n,) index of the demand of each, and then of those to visit, one each.
@@ -36,7 +35,7 @@ def sights_of_plan(
 
 
 def counting_sights(
-    sights: PlannedSights, sensors: Sequence[Sensor], demand: NDArray[np.int64], names: Sequence[Names]
+    sights: PlannedSights, sensors: Sequence[Sensor], demand: Ints, names: Sequence[Names]
 ) -> PlannedSights:
     """The sights of n places without those by robots that do not count for them.
 
@@ -51,7 +50,7 @@ def counting_sights(
     return PlannedSights(before[sights.offsets], *columns)
 
 
-def sights_by_plan(sights: Sights, points_m: NDArray[np.float64], regions: Sequence[Any] = ()) -> PlannedSights:
+def sights_by_plan(sights: Sights, points_m: Floats, regions: Sequence[Any] = ()) -> PlannedSights:
     """When each of ``points_m`` (n, 2) is seen, then when robots are inside each of the ``regions`` to visit."""
     points = np.ascontiguousarray(points_m - sights.origin_m)
     arrays = kernels.planned_sights(points, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls)

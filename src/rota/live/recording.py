@@ -6,16 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.recorded import RecordedTrack
 from rota.live.ages import is_jump
 from rota.live.events import Event, Heard, Tick
 from rota.live.reliefs import AT_CHARGER_M
 from rota.live.settings import WatchSettings
+from rota.model.arrays import Flags, Floats
 from rota.model.plan import Plan
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +69,7 @@ def recording_of(plan: Plan, events: Iterable[Event], settings: WatchSettings) -
     return Recording(tracks=tuple(tracks), window_s=window_s, reports=reports)
 
 
-def _stands_at(place_m: tuple[float, float], speed_m_s: float, table: Floats) -> NDArray[np.bool_]:
+def _stands_at(place_m: tuple[float, float], speed_m_s: float, table: Floats) -> Flags:
     """Which legs (n,) of a table (n, 7) of legs a robot spends at a charger: it is there for longer than to come past.
 
     Who comes past it at half its speed is within ``AT_CHARGER_M`` on either side for so long.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.links.link import Mode
 from rota.live.ages import Ages, is_jump
@@ -18,12 +17,11 @@ from rota.live.notices import FleetState, Notice, NoticeKind, RobotState, Standi
 from rota.live.places import places_of
 from rota.live.settings import WatchSettings
 from rota.live.ways import Ways
+from rota.model.arrays import Floats
 from rota.model.mission import inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.constant_speeds import plan_at_constant_speeds
 from rota.routes.flights import on_charger
-
-Floats = NDArray[np.float64]
 
 LEAST_OFF_M = 0.5  # beside its route: what positioning in the field errs by, however little a robot sees
 SETTLED_M = 0.8  # of the limit: nearer than this a robot that was off its route is on it again

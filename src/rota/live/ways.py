@@ -6,17 +6,15 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.geometry.free_space import border_corners, nearest_free_point, sight_walls, standing_space
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.shortest_path import ShortestPaths
 from rota.live.places import Places
+from rota.model.arrays import Floats
 from rota.model.fleet import Robot, Sensor, inner_reach_m
 from rota.model.mission import Mission
-
-Floats = NDArray[np.float64]
 
 DIRECTIONS = 24
 SHARES_OF_REACH = (0.98, 0.5)  # how far off a place it is looked at from

@@ -7,8 +7,9 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon, get_parts
+
+from rota.model.arrays import Floats
 
 # Missions and plans show themselves by these functions, which therefore do not import their types.
 WIDTH, HEIGHT = 480, 360  # pixels, at most
@@ -45,14 +46,14 @@ def plan_html(plan: Any) -> str:
     return _beside(mission_map(plan.mission, loops), escape(repr(plan)[1:-1]), ("robot", "loop m", "loop s"), rows)
 
 
-def mission_map(mission: Any, ways_m: Sequence[NDArray[np.float64]] = ()) -> str:
+def mission_map(mission: Any, ways_m: Sequence[Floats] = ()) -> str:
     """The mission as SVG, with these ways, each (n, 2) metres, in their colours; y goes up."""
     west, south, east, north = mission.area.bounds
     margin_m = MARGIN * max(east - west, north - south)
     width_m, height_m = east - west + 2 * margin_m, north - south + 2 * margin_m
     pixels_per_m = min(WIDTH / width_m, HEIGHT / height_m)
 
-    def path(rings_m: Iterable[NDArray[np.float64]], closed: bool, style: str) -> str:
+    def path(rings_m: Iterable[Floats], closed: bool, style: str) -> str:
         lines = []
         for ring_m in rings_m:
             at = (np.asarray(ring_m)[:, :2] - (west - margin_m, north + margin_m)) * (pixels_per_m, -pixels_per_m)
@@ -69,7 +70,7 @@ def mission_map(mission: Any, ways_m: Sequence[NDArray[np.float64]] = ()) -> str
     return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{"".join(shapes)}</svg>'
 
 
-def _rings(shape: MultiPolygon) -> list[NDArray[np.float64]]:
+def _rings(shape: MultiPolygon) -> list[Floats]:
     """Outlines and holes, each (n, 2)."""
     return [np.array(ring.coords) for part in get_parts(shape) for ring in (part.exterior, *part.interiors)]
 

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.field_values import check_fields
 from rota.model.fields import field_of
 from rota.model.limits import LARGEST_M
 from rota.model.refusals import Where, inner, require
-
-Floats = NDArray[np.float64]
 
 MOST_IMPORTANCE = 1e6
 IMPORTANCE: dict[str, Any] = {"least": 0, "most": MOST_IMPORTANCE}

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from rota.errors import PlanError
+from rota.model.arrays import Floats as Floats
 from rota.model.fields import field_of
 from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
 from rota.model.seam import Driven as Driven, Seam as Seam
-from rota.model.trajectory import Charge as Charge, Floats as Floats, Trajectory as Trajectory, Waypoints as Waypoints
+from rota.model.trajectory import Charge as Charge, Trajectory as Trajectory, Waypoints as Waypoints
 
 if TYPE_CHECKING:
     import pandas

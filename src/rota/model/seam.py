@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from rota.errors import PlanError
+from rota.model.arrays import Floats
 from rota.model.fields import field_of
 from rota.model.fleet import Sensor
 from rota.model.limits import LONGEST_S
 from rota.model.mission import Obstacle
-from rota.model.trajectory import PLACES, SHARE, Charge, Floats, Place, bends_of, freeze, require_battery
+from rota.model.trajectory import PLACES, SHARE, Charge, Place, bends_of, freeze, require_battery
 
 BEFORE: dict[str, Any] = {"least": -LONGEST_S, "most": 0}
 

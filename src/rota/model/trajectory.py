@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
+from rota.model.arrays import Floats
 from rota.model.fields import field_of
 from rota.model.limits import LARGEST_M, LONGEST_S, SHORTEST_LOOP_S
 
-Floats = NDArray[np.float64]
 Place = tuple[float, float]
 PLACES: dict[str, Any] = {"least": -LARGEST_M, "most": LARGEST_M}
 TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.columns import columns
 from rota.model.mission import AREA, DiscSensor, Mission, Sensor, Zone
 from rota.model.plan import Plan, Trajectory
@@ -22,8 +22,6 @@ from rota.routes.passed_stops import passed_stops
 
 if TYPE_CHECKING:
     from rota.check import Report
-
-Floats = NDArray[np.float64]
 
 # a regular 256-gon with a circle's area has a radius so much larger
 SAME_COST = 1e-9  # sums of costs differ by less where they are the same

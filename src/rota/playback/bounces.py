@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.cells.entered_cells import entries_of_cells
+from rota.model.arrays import Floats
 from rota.model.plan import Plan, Trajectory
-
-Floats = NDArray[np.float64]
 
 TURN_RAD = 1e-9
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.cells.cell_map import CellMap, cell_map_of
 from rota.check import revisits, seeable, standing
@@ -20,11 +19,9 @@ from rota.check.revisits import sights_along
 from rota.check.routes import routes_of, sensors_of
 from rota.live.kernels import PlannedSights
 from rota.live.planned_sights import counting_sights, sights_by_plan
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import AREA, Mission
 from rota.model.plan import Plan, Seam
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 NO_CELL = 0xFFFFFFFF  # the index of an entry that stands for a zone to visit
 

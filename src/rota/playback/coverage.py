@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.cells.cell_map import cell_map_of
 from rota.check.presence import away_times_s
 from rota.check.routes import sensors_of
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor
 from rota.model.plan import Plan, Trajectory
 from rota.planning.plan_summary import range_at_the_end
 from rota.playback import kernels
 from rota.routes.flights import on_charger
-
-Floats = NDArray[np.float64]
 
 MOMENTS = 400
 CELLS = 20_000

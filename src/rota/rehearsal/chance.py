@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.live.keeping import LATE_S, LEAST_RATE
+from rota.model.arrays import Floats
 from rota.rehearsal.drive_kernels import Chance
 from rota.rehearsal.least_times import round_shares
 from rota.rehearsal.scene import HOUR_S, Scene
 from rota.vehicles.motion import Wind
-
-Floats = NDArray[np.float64]
 
 GUST_S = 20.0  # how long a robot's speed is off by the same: gusts at 30 m last so long at 8 m/s (MIL-F-8785C: 154 m)
 MOST_SIGMAS = 3.0

@@ -8,16 +8,13 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.tolerances import BATTERY_S
+from rota.model.arrays import Flags, Floats
 from rota.rehearsal.drive_kernels import Fills
 from rota.rehearsal.estimates import Estimate, mean_over_runs, share_of_runs
 from rota.rehearsal.kernels import Driven
 from rota.rehearsal.scene import Scene
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 ROWS = ("stays_s", "stays", "noted", "stay")  # of what is told of batteries, all that is told of stays
 HELD_S = 1.0  # so long a charger may have too many robots: by less one that leaves may be behind the clock of all

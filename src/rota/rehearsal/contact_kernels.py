@@ -7,10 +7,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
+from rota.model.arrays import Flags, Floats
 from rota.rehearsal.kernels import real_time
 
 SAMPLES = 16  # of a piece along which one robot accelerates
@@ -24,10 +24,10 @@ class Legs(NamedTuple):
     docked: (n - 1,) whether it spends a leg at a charger, in nobody's way.
     """
 
-    times_s: NDArray[np.float64]
-    places_m: NDArray[np.float64]
-    bends: NDArray[np.float64]
-    docked: NDArray[np.bool_]
+    times_s: Floats
+    places_m: Floats
+    bends: Floats
+    docked: Flags
     loop_index: int
 
 
@@ -39,10 +39,10 @@ class Track(NamedTuple):
     docked: (n,) whether it spends that piece at a charger.
     """
 
-    times_s: NDArray[np.float64]
-    places_m: NDArray[np.float64]
-    bows_m: NDArray[np.float64]
-    docked: NDArray[np.bool_]
+    times_s: Floats
+    places_m: Floats
+    bows_m: Floats
+    docked: Flags
 
 
 @kernel

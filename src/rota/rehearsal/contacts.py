@@ -7,16 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.check.tolerances import TOUCH_M
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.model.trajectory import Trajectory
 from rota.rehearsal import contact_kernels
 from rota.rehearsal.contact_kernels import Legs, Track
 from rota.rehearsal.kernels import Driven
 
-Floats = NDArray[np.float64]
 Pair = tuple[int, int, float]
 
 

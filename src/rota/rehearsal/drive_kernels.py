@@ -7,12 +7,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.check.tolerances import BATTERY_S, SAME_TIME
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
 from rota.live.reliefs import KEPT_SHARE
+from rota.model.arrays import Floats, Ints
 
 
 @by_reference
@@ -26,22 +26,22 @@ class Batteries(NamedTuple):
     limit), takeoff_s, reserve_s: (k,). landing_s, climbing_s: (k,) of its stays nothing is charged in these.
     """
 
-    firsts: NDArray[np.int64]
-    again: NDArray[np.int64]
-    loops_s: NDArray[np.float64]
-    endurance_s: NDArray[np.float64]
-    takeoff_s: NDArray[np.float64]
-    landing_s: NDArray[np.float64]
-    climbing_s: NDArray[np.float64]
-    reserve_s: NDArray[np.float64]
-    begins_s: NDArray[np.float64]
-    ends_s: NDArray[np.float64]
-    uses: NDArray[np.float64]
-    docks: NDArray[np.int64]
-    fills: NDArray[np.float64]
-    swaps_s: NDArray[np.float64]
-    leaves_s: NDArray[np.float64]
-    needs_s: NDArray[np.float64]
+    firsts: Ints
+    again: Ints
+    loops_s: Floats
+    endurance_s: Floats
+    takeoff_s: Floats
+    landing_s: Floats
+    climbing_s: Floats
+    reserve_s: Floats
+    begins_s: Floats
+    ends_s: Floats
+    uses: Floats
+    docks: Ints
+    fills: Floats
+    swaps_s: Floats
+    leaves_s: Floats
+    needs_s: Floats
 
 
 @by_reference
@@ -54,19 +54,19 @@ class Fills(NamedTuple):
     hurries_at_s: (k,) by how much it was ahead of the clock at most since its battery did not let it wait, and when.
     """
 
-    leg: NDArray[np.int64]
-    turned_s: NDArray[np.float64]
-    levels_s: NDArray[np.float64]
-    stood_s: NDArray[np.float64]
-    least_s: NDArray[np.float64]
-    least_at_s: NDArray[np.float64]
-    stay: NDArray[np.int64]
-    stays_s: NDArray[np.float64]
-    stays: NDArray[np.int64]
-    noted: NDArray[np.int64]
-    left: NDArray[np.int64]
-    hurries_s: NDArray[np.float64]
-    hurries_at_s: NDArray[np.float64]
+    leg: Ints
+    turned_s: Floats
+    levels_s: Floats
+    stood_s: Floats
+    least_s: Floats
+    least_at_s: Floats
+    stay: Ints
+    stays_s: Floats
+    stays: Ints
+    noted: Ints
+    left: Ints
+    hurries_s: Floats
+    hurries_at_s: Floats
 
 
 @by_reference
@@ -78,11 +78,11 @@ class Chance(NamedTuple):
     it (inf: nobody does); for one that has failed nobody waits.
     """
 
-    slowness: NDArray[np.float64]
+    slowness: Floats
     gust: int
-    fails_s: NDArray[np.float64]
-    late_s: NDArray[np.float64]
-    waits_s: NDArray[np.float64]
+    fails_s: Floats
+    late_s: Floats
+    waits_s: Floats
 
 
 @kernel

@@ -7,10 +7,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
+from rota.model.arrays import Floats, Ints
 
 ON_TIME = 1e-9  # the share of a period by which a gap may be longer
 
@@ -23,10 +23,10 @@ class Driven(NamedTuple):
     and sees nothing (inf: never). What is looked at begins at begin_s and ends at end_s.
     """
 
-    times_s: NDArray[np.float64]
+    times_s: Floats
     tick_s: float
-    loops_s: NDArray[np.float64]
-    fails_s: NDArray[np.float64]
+    loops_s: Floats
+    fails_s: Floats
     begin_s: float
     end_s: float
 
@@ -35,9 +35,9 @@ class Driven(NamedTuple):
 class Asked(NamedTuple):
     """What is asked of n places: of which demand each is, (n,), its period, (n,), and its weight among those, (n,)."""
 
-    demand: NDArray[np.int64]
-    periods_s: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    demand: Ints
+    periods_s: Floats
+    weights: Floats
 
 
 @kernel

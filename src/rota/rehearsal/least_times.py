@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
+from rota.model.arrays import Floats
 from rota.model.fleet import Robot
 from rota.model.plan import Plan
 from rota.model.trajectory import Trajectory
 from rota.vehicles.motion import Wind
-
-Floats = NDArray[np.float64]
 
 
 def least_times_s(plan: Plan, wind: Wind, tick_s: float, ticks: int) -> Floats:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.engines.placing import answer_of, submit_with
 from rota.engines.workers import workers
 from rota.errors import MissionError
+from rota.model.arrays import Floats
 from rota.model.plan import Plan
 from rota.model.refusals import require
 from rota.rehearsal.charging import charging_outcome
@@ -22,7 +22,6 @@ from rota.rehearsal.outcome import ContactOutcome, DemandOutcome, Rehearsal
 from rota.rehearsal.run import Run, rehearse_once
 from rota.rehearsal.scene import HOUR_S, Scene, scene_of
 
-Floats = NDArray[np.float64]
 Batch = tuple[list[Run], Floats]
 
 BATCH = 4  # runs done by one worker, one after another: sums over runs are then the same for any number of workers

@@ -6,13 +6,11 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.rehearsal.charging import ChargingOutcome
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.estimates import Estimate
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +79,7 @@ class Rehearsal:
     parts_available: Floats
     parts_weights: Floats
     places_m: Floats
-    places_demand: NDArray[np.int64]
+    places_demand: Ints
     places_available: Floats
 
     def __repr__(self) -> str:

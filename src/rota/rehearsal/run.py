@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.rehearsal import kernels
 from rota.rehearsal.charging import Charging, charging_of
 from rota.rehearsal.contacts import Contact, contacts_of
 from rota.rehearsal.scene import Scene
 from rota.rehearsal.stages import drive_in_stages, join
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PARTS = 48  # into which what is looked at is cut
 

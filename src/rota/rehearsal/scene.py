@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.check.counting import groups_of
 from rota.check.demands import DemandedGround
@@ -19,6 +18,7 @@ from rota.errors import MissionError, RotaError
 from rota.live.kernels import PlannedSights
 from rota.live.places import places_of
 from rota.live.planned_sights import sights_of_plan
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.rehearsal.batteries import batteries_of
@@ -28,9 +28,6 @@ from rota.rehearsal.drive_kernels import Batteries
 from rota.rehearsal.kernels import Asked
 from rota.routes.flights import has_flights
 from rota.routes.who_relieves import robots_that_relieve
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 HOUR_S = 3600.0
 MOST_PLACES = 10_000
@@ -74,7 +71,7 @@ class Scene:
         return any(way.charges for way in self.plan) or bool(np.isfinite(self.batteries.endurance_s).any())
 
     @cached_property
-    def relieves_nobody(self) -> NDArray[np.bool_]:
+    def relieves_nobody(self) -> Flags:
         """Which robots (k,) leave chargers for loops that nobody holds for them: when they are late nobody waits."""
         relieve = robots_that_relieve(self.plan)
         flying = [has_flights(way) and way.loop_duration_s > 0 for way in self.plan]

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import RotaError
 from rota.live.keeping import LATE_S
 from rota.live.kernels import PlannedSights
+from rota.model.arrays import Floats, Ints
 from rota.model.plan import Plan, Trajectory
 from rota.rehearsal import drive_kernels
 from rota.rehearsal.chance import chance_of, wind_of
@@ -21,9 +21,6 @@ from rota.rehearsal.least_times import least_times_s
 from rota.rehearsal.scene import Scene, scene_with
 from rota.replanning.replan import first_plan
 from rota.vehicles.motion import Wind
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 IN_PHASE_S = 2 * LATE_S  # by which who is off the clock of all counts as being where its plan has it
 TAKES_OVER_S = 15.0  # after a failure: `rota watch` notes it after 5 s of silence, and its plans take over 10 s later

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.fleet import Robot
 from rota.model.mission import Charger
 from rota.model.plan import Trajectory
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 STILL_M = 1e-9  # a robot that moves by no more than this stands

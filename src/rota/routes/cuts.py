@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.trajectory import bends_of
 
-Floats = NDArray[np.float64]
 Way = tuple[Floats, Floats, Floats]
 
 CUT_M = 1e-8  # by which a place that only cuts a leg may be off it

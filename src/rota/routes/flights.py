@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import PlanError
+from rota.model.arrays import Flags
 from rota.model.fleet import Robot
 from rota.model.plan import Charge, Floats, Plan, Trajectory
 from rota.routes.constant_speeds import at_constant_speeds
@@ -66,7 +67,7 @@ def ends_on_charger(trajectory: Trajectory) -> bool:
     return trajectory.loop_duration_s == 0 and bool(charges) and charges[-1].until_s == trajectory.times_s[-1]
 
 
-def on_charger(trajectory: Trajectory, times_s: Floats) -> NDArray[np.bool_]:
+def on_charger(trajectory: Trajectory, times_s: Floats) -> Flags:
     """Whether the robot is on a charger at each of the times (n,), in any round."""
     if not trajectory.charges:
         return np.zeros(len(times_s), np.bool_)
@@ -100,7 +101,7 @@ def flights_of(trajectory: Trajectory, *, accelerated: bool = False) -> tuple[Fl
     return tuple(replace(flight, number=number) for number, flight in enumerate(found, start=1))
 
 
-def _legs_on_charger(one: Trajectory) -> NDArray[np.bool_]:
+def _legs_on_charger(one: Trajectory) -> Flags:
     """Which legs (n - 1,) the robot spends at a charger."""
     docked = np.zeros(len(one.times_s) - 1, np.bool_)
     for charge in one.charges:
@@ -118,7 +119,7 @@ def _runs(legs: Whole, seam: tuple[int, int] | None = None) -> Iterator[Whole]:
         yield from np.split(legs, np.flatnonzero(~follows) + 1)
 
 
-def _flight(one: Trajectory, docked: NDArray[np.bool_], run: Whole) -> Flight:
+def _flight(one: Trajectory, docked: Flags, run: Whole) -> Flight:
     """The flight over the legs of a run, which may go on across the seam of the loop."""
     times_s, places_m, round_s = one.times_s, one.positions_m, one.loop_duration_s
     late_s = np.where(run < run[0], round_s, 0.0)
@@ -173,7 +174,7 @@ def _charger(one: Trajectory, leg: int) -> str:
     return next(charge.charger for charge in one.charges if charge.from_s <= begin_s < charge.until_s)
 
 
-def _stay_s(one: Trajectory, docked: NDArray[np.bool_], leg: int) -> float:
+def _stay_s(one: Trajectory, docked: Flags, leg: int) -> float:
     """How long a robot stays on a charger from the beginning of a leg on, over the loop's seam as well."""
     lasts_s, first, legs = np.diff(one.times_s), one.loop_index, len(docked)
     stay_s = 0.0

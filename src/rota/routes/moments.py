@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Sensor
 from rota.model.plan import Charge, Driven, Trajectory
 from rota.model.trajectory import forward_accelerations
 from rota.routes.cuts import without_cuts
 from rota.routes.route import Route, route_of
-
-Floats = NDArray[np.float64]
 
 SOON_S = 1e-6  # stays on chargers that end so soon are over
 STAY_S = 1.0  # told of a robot that is on a charger for ever

@@ -13,9 +13,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.kernel import kernel
+from rota.model.arrays import Floats
 from rota.vehicles.scurve_kernels import LENGTH, WHOLE, along, may_blend
 
 GRAVITY_M_S2 = 9.80665
@@ -57,10 +57,10 @@ class Air(NamedTuple):
 class Course(NamedTuple):
     """Points (n, 3), the speed to each but the first (n - 1,), the wait at each (n,), and the S-curves between them."""
 
-    points_m: NDArray[np.float64]
-    speeds_m_s: NDArray[np.float64]
-    waits_s: NDArray[np.float64]
-    legs: NDArray[np.float64]
+    points_m: Floats
+    speeds_m_s: Floats
+    waits_s: Floats
+    legs: Floats
 
 
 @kernel

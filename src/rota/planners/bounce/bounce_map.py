@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
+from rota.planners.bounce.arrays import Floats, Ints, Longs
 from rota.planners.bounce.cells import BLOCKED, Cells
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.map_kernels import (
@@ -23,8 +24,6 @@ from rota.planners.bounce.map_kernels import (
 )
 from rota.planning.stopping import require_going_on
 
-Ints = NDArray[np.int32]
-Longs = NDArray[np.int64]
 Words = NDArray[np.uint32]
 
 MEMORY_SHARE = 0.8  # of the machine's memory, for a joint map
@@ -45,7 +44,7 @@ class Decomposition:
     basin: Longs
 
 
-def make_team(cells: Cells, bounces: Sequence[int], *, apart_m: NDArray[np.float64] | float = 0.0) -> Team:
+def make_team(cells: Cells, bounces: Sequence[int], *, apart_m: Floats | float = 0.0) -> Team:
     """Robots on cells. bounces: heading steps by which each robot turns at a bump.
 
     apart_m: (m, m), or one number for all, the distance in metres of two centres at which bodies touch. 0: contact is

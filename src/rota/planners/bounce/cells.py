@@ -14,11 +14,8 @@ from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import TOUCH_M, Mission
 from rota.model.planner_settings import Corners
+from rota.planners.bounce.arrays import Flags, Floats, Ints, Longs
 from rota.planners.bounce.planner_settings import BounceSettings
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 MOST_CELLS = 4_000_000
 BLOCKED = -1
@@ -176,7 +173,7 @@ def crossed_cells(move: tuple[int, int]) -> list[tuple[int, int]]:
     return cells
 
 
-def _targets(number: Ints, column: NDArray[np.int64], row: NDArray[np.int64], move: Ints, corners: Corners) -> Ints:
+def _targets(number: Ints, column: Longs, row: Longs, move: Ints, corners: Corners) -> Ints:
     """(n,) cells that the move ends in; BLOCKED where a cell that the move needs is not free."""
     rows, columns = number.shape
 

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.model.mission import Mission, Robot
+from rota.planners.bounce.arrays import Flags, Ints
 from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import SettlingRoom, steps_to_cycles
@@ -24,9 +24,6 @@ from rota.planners.bounce.monitoring import Watch, canonical
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import rattling_nodes
 from rota.planners.bounce.starts import start_cells, start_headings
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
@@ -271,7 +268,7 @@ def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], ratt
     return Choice(chosen=best, proved=True)
 
 
-def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> NDArray[np.bool_]:
+def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> Flags:
     """(z,) zones that no robot, left alone, enters on the limit cycles that it comes to from its cell in ``at``."""
     cycles, headings_given = watch.cycles, start_headings(mission, len(at))
     out = np.ones(watch.sees.shape[1], np.bool_)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free, always_inline
-from rota.planners.bounce.kernels import Ints, Longs
+from rota.planners.bounce.arrays import Ints, Longs
 
 Words = NDArray[np.uint64]
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 from math import ceil, floor, hypot, inf, sqrt
 
 from rota.compiled.kernel import allocation_free
-from rota.planners.bounce.cycle_kernels import Flags
-from rota.planners.bounce.kernels import Floats, Longs
+from rota.model.arrays import Flags
+from rota.planners.bounce.arrays import Floats, Longs
 
 TOUCH_M = 1e-6  # bodies overlap by less than this where they touch
 SAME = 1e-9  # of a step: differences of clocks this near are one

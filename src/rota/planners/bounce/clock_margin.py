@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.clock_kernels import forbid_near_phases
 from rota.planners.bounce.limit_cycles import LimitCycles
 
 
-def apart_in_time(cycles: LimitCycles, cells: Cells, apart_m: NDArray[np.float64], margin_steps: float) -> LimitCycles:
+def apart_in_time(cycles: LimitCycles, cells: Cells, apart_m: Floats, margin_steps: float) -> LimitCycles:
     """The cycles with fewer compatible pairs: robots stay apart for all differences of clocks up to the margin.
 
     apart_m: (m, m) metres by which bodies keep the centres of the team's robots apart. margin_steps: in steps; 0 leaves

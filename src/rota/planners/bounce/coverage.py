@@ -6,17 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from rota.planners.bounce.arrays import Flags, Ints
 from rota.planners.bounce.cells import BLOCKED, Cells
 from rota.planners.bounce.coverage_kernels import Log, Search, cover_as_printed, cover_by_rate
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.planner_settings import BounceMethod
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,7 +101,7 @@ def cover(
     )
 
 
-def reachable_cells(cells: Cells, starts: NDArray[np.int32]) -> Flags:
+def reachable_cells(cells: Cells, starts: Ints) -> Flags:
     """(n,) which cells moves lead to from one of the starting cells (m,); moves lead there and back."""
     origin, heading = np.nonzero(cells.target != BLOCKED)
     ends = cells.target[origin, heading]

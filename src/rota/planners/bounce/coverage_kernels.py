@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free, always_inline
-from rota.planners.bounce.kernels import Ints, Longs, Team, step_team
+from rota.planners.bounce.arrays import Ints, Longs
+from rota.planners.bounce.kernels import Team, step_team
 
 Bytes = NDArray[np.uint8]
 

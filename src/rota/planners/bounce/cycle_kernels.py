@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free
-from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, pair_touches, step_team
-
-Flags = NDArray[np.bool_]
+from rota.model.arrays import Flags
+from rota.planners.bounce.arrays import Floats, Ints, Longs
+from rota.planners.bounce.kernels import Team, pair_touches, step_team
 
 
 class SettlingRoom(NamedTuple):

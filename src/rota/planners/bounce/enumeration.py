@@ -6,16 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.planners.bounce.arrays import Flags, Ints, Longs
 from rota.planners.bounce.bounce_map import cycles_and_basins, in_turn, joint_map, require_memory
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import LimitCycles
 from rota.planners.bounce.map_kernels import printed_groups, touching_states
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int32]
-Longs = NDArray[np.int64]
 
 MOST_PRINTED = 1 << 20  # groups of Algorithm 2 that are kept to choose from; all are counted
 BYTES_PRINTED = 7  # an enumeration of n states takes 4 n bytes for the map and 7 times as much in all

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Ints
 from rota.planners.bounce.clique_kernels import Graph, Room, count_sets
 from rota.planners.bounce.limit_cycles import LimitCycles
-
-Flags = NDArray[np.bool_]
 
 UNBOUNDED = 1 << 62
 GRAPH_WORK, CALL_WORK = 100, 1000  # pairs of nodes, and words of conflicts, that are a unit of work
@@ -91,7 +90,7 @@ def _common_periods(lengths: list[int], robots: int, work: Work) -> list[int]:
     return sorted(periods)
 
 
-def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], work: Work) -> int:
+def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: Ints, work: Work) -> int:
     """Joint periodic states without contact ever, robots told apart, on the cycles (c,) that are allowed."""
     nodes = np.flatnonzero(allowed[cycles.cycle])
     if len(nodes) == 0 or (np.bincount(cycles.kind[nodes], minlength=len(wanted)) == 0).any():
@@ -101,7 +100,7 @@ def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64]
 
 
 def count_independent(
-    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64], work: Work | None = None
+    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | Ints, work: Work | None = None
 ) -> int:
     """Sets of nodes without a conflict, with ``wanted`` ones of each kind. conflict: (v, v), the diagonal set.
 

@@ -7,14 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.planners.bounce.arrays import Flags, Floats, Longs
 from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.monitoring import LONGEST_PERIOD, Group, Watch
-
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
 
 MOST_NODES = 20_000  # partial teams that the search looks at
 QUICK_SHARE, LIMITS = 4, 12  # of them for teams of one robot for each zone; limits that these are tried with

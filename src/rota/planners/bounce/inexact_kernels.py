@@ -11,10 +11,10 @@ from math import cos, floor, inf, log, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.kernel import kernel
-from rota.planners.bounce.polygon_kernels import APPROACH, TOUCH_M, Floats, Ints, first_contact, is_blocked, place_on
+from rota.model.arrays import Flags, Floats, Ints
+from rota.planners.bounce.polygon_kernels import APPROACH, TOUCH_M, first_contact, is_blocked, place_on
 
 BOUNDED, GAUSSIAN = 0, 1
 CORNER = 1e-9  # a way that passes a corner of cells by less than this share of its length goes through it
@@ -50,7 +50,7 @@ class Robots(NamedTuple):
     heading: Floats
     dx: Floats
     dy: Floats
-    moving: NDArray[np.bool_]
+    moving: Flags
     until_s: Floats
     contact: Floats
 

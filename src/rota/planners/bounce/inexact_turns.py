@@ -15,15 +15,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
+from rota.model.arrays import Floats
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.inexact_kernels import BOUNDED, GAUSSIAN, Crew as DrivingCrew, Lattice, Zones, run_inexact
 from rota.planners.bounce.polygon import Rim, make_rim
 
-Floats = NDArray[np.float64]
 ErrorShape = Literal["bounded", "gaussian"]
 
 CHUNK = 250  # runs of one thread at a time

@@ -12,10 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free, always_inline
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Longs = NDArray[np.int64]
+from rota.planners.bounce.arrays import Floats, Ints
 
 
 class Team(NamedTuple):
@@ -31,7 +28,7 @@ class Team(NamedTuple):
     to_x: Ints
     to_y: Ints
     moved: Ints
-    bumped: NDArray[np.int32]
+    bumped: Ints
     apart2: Floats
 
 

@@ -8,18 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.model.mission import Zone
+from rota.planners.bounce.arrays import Flags, Floats, Ints, Longs
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import compare_cycles
 from rota.planners.bounce.kernels import Team
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int32]
-Longs = NDArray[np.int64]
 
 MOST_PERIODIC = 12_000  # states on cycles; the table of pairs takes a byte for each two
 MOST_LOOKED_AT = 10_000_000  # states of all bouncing angles, up to which it is told which of them would do
@@ -117,7 +113,7 @@ def _equal(team: Team, i: int, j: int) -> bool:
     return bool((team.bumped[i] == team.bumped[j]).all() and (team.apart2[i, others] == team.apart2[j, others]).all())
 
 
-def _apart_of_kinds(team: Team, kinds: list[int], first_like: list[int]) -> NDArray[np.float64]:
+def _apart_of_kinds(team: Team, kinds: list[int], first_like: list[int]) -> Floats:
     """(k, k) squared least distances of robots of two kinds, in cells."""
     apart2 = np.zeros((len(first_like),) * 2)
     for i, a in enumerate(kinds):

@@ -9,14 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free, always_inline
-from rota.planners.bounce.kernels import (
-    Ints,
-    Longs,
-    Team,
-    step_team,
-    too_near,
-    touching,
-)
+from rota.planners.bounce.arrays import Ints, Longs
+from rota.planners.bounce.kernels import Team, step_team, too_near, touching
 
 Words = NDArray[np.uint32]
 Stays = NDArray[np.int8]

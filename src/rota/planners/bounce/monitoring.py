@@ -11,13 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.planners.bounce.arrays import Flags, Floats, Longs
 from rota.planners.bounce.limit_cycles import LimitCycles
-
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
 
 LONGEST_PERIOD = 200_000  # steps over which gaps are computed exactly; beyond it pairs of robots bound them
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
+from rota.model.arrays import Flags
 from rota.model.mission import Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.bounce.plane_tracks import Track, tracks_of
@@ -115,7 +115,7 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
     return tracks, owners
 
 
-def _kinds_of_tracks(tracks: list[Track]) -> Iterator[NDArray[np.bool_]]:
+def _kinds_of_tracks(tracks: list[Track]) -> Iterator[Flags]:
     """Which tracks (t,) may be used: those that hold and are no rattles; all that hold; all."""
     holds = np.array([track.cycle.holds for track in tracks], np.bool_)
     rattles = np.array([is_rattle(track.places_m, track.body_radius_m) for track in tracks], np.bool_)
@@ -191,7 +191,7 @@ class _Search:
         )
 
 
-def _apart(tracks: list[Track], radii_m: list[float]) -> NDArray[np.bool_]:
+def _apart(tracks: list[Track], radii_m: list[float]) -> Flags:
     """(t, t) whether robots on two tracks can never touch."""
     lines = [shapely.linestrings(track.places_m) for track in tracks]
     apart = np.zeros((len(tracks),) * 2, np.bool_)

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import free_ground
+from rota.model.arrays import Floats
 from rota.model.mission import Mission, Robot, Zone
 from rota.model.plan import Trajectory
 from rota.planners.bounce.clock_kernels import nearest_touch
 from rota.planners.bounce.polygon import BounceRule, make_rim
 from rota.planners.bounce.polygon_cycles import PolygonCycle, limit_cycles, random_starts
-
-Floats = NDArray[np.float64]
 
 STARTS, BOUNCES, LONGEST = 1500, 1200, 128  # random starts, contacts until a cycle is looked for, and in a cycle
 FRAMES = 24  # headings that starts have, equally spaced

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats
 from rota.model.mission import Mission, Robot
 from rota.model.plan import Plan
 from rota.planners.bounce.bounce_map import make_team
@@ -29,8 +29,6 @@ from rota.planners.bounce.timed_group import TimedGroup, timed_group
 from rota.planners.bounce.trajectories import Pace, pace_of, trajectory
 from rota.planners.bounce.unreached import places_of, unreached_parts
 from rota.planning.planner import Answer
-
-Floats = NDArray[np.float64]
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
 

@@ -15,10 +15,10 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon
 
 from rota.errors import MissionError
+from rota.model.arrays import Floats, Ints
 from rota.planners.bounce.polygon_kernels import (
     ARC,
     FROM_WALL,
@@ -33,8 +33,6 @@ from rota.planners.bounce.polygon_kernels import (
     place_on,
 )
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Bounce = Literal["turn", "from_wall"]
 
 _MOST_TURNS_TO_WHOLE = 3600  # bouncing angles in tenths of degrees come back to the first heading after these at most

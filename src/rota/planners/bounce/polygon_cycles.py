@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 
 from rota.errors import MissionError
-from rota.planners.bounce.polygon import BounceRule, Floats, Ints, Rim, bounce_path, require_room
+from rota.model.arrays import Floats, Ints
+from rota.planners.bounce.polygon import BounceRule, Rim, bounce_path, require_room
 from rota.planners.bounce.polygon_kernels import (
     SETTLED,
     STUCK,

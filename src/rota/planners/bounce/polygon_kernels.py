@@ -22,9 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from rota.model.arrays import Floats, Ints
 
 WALL, ARC = 0, 1
 TURN, FROM_WALL = 0, 1

@@ -7,15 +7,12 @@ nothing of the ground, and the first turn that is off ends most of them. So othe
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
+from rota.model.arrays import Flags, Floats
 from rota.model.plan import Plan
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.limit_cycles import LimitCycles
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 WIDTHS = 2.0  # of a body: within so much it hardly moves
 STRAIGHT = 1e-6  # share of its length by which a line may be off

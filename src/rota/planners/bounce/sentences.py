@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import LineString, union_all
 
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Mission
 from rota.model.plan import Plan
 from rota.planners.bounce.chosen_group import Choice
@@ -14,8 +14,6 @@ from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import rattling_robots
-
-Floats = NDArray[np.float64]
 
 MOST_COUNTING = 1_000_000  # units of work to count groups, for a sentence
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.model.mission import TOUCH_M, Mission, Robot
+from rota.planners.bounce.arrays import Floats, Ints
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings
-
-Ints = NDArray[np.int32]
 
 TRIES = 10_000
 
@@ -60,9 +58,7 @@ def start_headings(mission: Mission, robots: int) -> list[int] | None:
     return [round(angle / step_deg) % settings.headings for angle in angles_of_robots]
 
 
-def random_starts(
-    mission: Mission, cells: Cells, robots: tuple[Robot, ...], apart_m: NDArray[np.float64], seed: int
-) -> Ints:
+def random_starts(mission: Mission, cells: Cells, robots: tuple[Robot, ...], apart_m: Floats, seed: int) -> Ints:
     """(m,) states in which the robots begin: in the cells and headings that the mission gives, at random otherwise.
 
     apart_m: (m, m), the least distance of two centres. Raises MissionError when so many robots find no room.
@@ -86,7 +82,7 @@ def random_starts(
     return np.array([cell * cells.headings + h for cell, h in zip(chosen, headings, strict=True)], np.int32)
 
 
-def _apart(cells: Cells, chosen: list[int], apart_m: NDArray[np.float64]) -> bool:
+def _apart(cells: Cells, chosen: list[int], apart_m: Floats) -> bool:
     """Whether the centres of the chosen cells (m,) are as far apart as apart_m (m, m) asks."""
     centres = cells.centres_m[chosen]
     gaps = np.hypot(*(centres[:, None] - centres).transpose(2, 0, 1))

@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.planners.bounce.arrays import Floats, Ints
 from rota.planners.bounce.chosen_group import Chosen
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.trajectories import MOST_JOINT_STEPS, Pace
 
 LEAST_GAIN = 0.1  # share of the common period; for less, shorter steps bring bodies nearer in time and pay too little
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

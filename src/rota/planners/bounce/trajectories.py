@@ -6,15 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.model.mission import Mission
 from rota.model.plan import Trajectory
+from rota.planners.bounce.arrays import Floats, Ints
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 MOST_JOINT_STEPS = 2_000  # of a common period, up to which its steps have durations of their own
 SAME_PACE = 1e-9  # share by which two steps of one drive may differ

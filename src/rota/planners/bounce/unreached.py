@@ -6,19 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
 from rota.model.mission import TOUCH_M, Mission
 from rota.model.polygons import polygons_of
+from rota.planners.bounce.arrays import Flags, Ints
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.coverage import reachable_cells
 from rota.planners.bounce.planner_settings import BounceSettings
-
-Flags = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 PLACES_TOLD = 6
 SHIFTS = (0.25, 0.5, 0.75)  # of a cell, by which another grid's corner is tried along each axis

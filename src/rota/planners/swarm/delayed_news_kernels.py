@@ -18,13 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.free_ground_kernels import clear_load, load_with_disc
 from rota.planners.swarm.kernels import cell_of
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal, sample_key
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.state import Decisions, Floats, Grid, Hearing, Robots, Snapshot
+from rota.planners.swarm.state import Decisions, Grid, Hearing, Robots, Snapshot
 
 MOST_LOST_IN_ROW = 8
 MOST_SPEED_GAIN = 0.15  # of the top speed, from one step to the next

@@ -53,9 +53,9 @@ import math
 from typing import Any, NamedTuple
 
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats
 from rota.planners.swarm.dodge_kernels import CLEAR_M, clearance_m, dodge
 from rota.planners.swarm.kernels import cell_of, to_wall
-from rota.planners.swarm.state import Floats
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
 WAYS_OUT, AHEAD_STEPS = 32, 2.0  # that a robot looks for when a disc would be met, and for how many steps

@@ -8,11 +8,11 @@ from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.cells.importance_cells import ImportanceCells, importance_cells
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.planners.swarm.offer_kernels import LEVELS, most_offered
 from rota.planners.swarm.state import ImportanceField, PlaceGraph
 
-Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 CELLS_PER_SENSOR = 16.0  # of the smallest sensor's radius

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-Floats = NDArray[np.float64]
+from rota.model.arrays import Flags, Floats
+
 MOST_PLACES = 1_000_000
 LOOSENINGS = 40  # halvings of what the spacing may still be
 ON_THE_BORDER_M = 1e-9
@@ -64,7 +64,7 @@ def _places(room: BaseGeometry, taken_m: Floats, apart_m: Floats, spacing_m: flo
     return np.asarray(points[_clear(room, taken_m, apart_m, points)])
 
 
-def _clear(room: BaseGeometry, taken_m: Floats, apart_m: Floats, points_m: Floats) -> NDArray[np.bool_]:
+def _clear(room: BaseGeometry, taken_m: Floats, apart_m: Floats, points_m: Floats) -> Flags:
     """Which points (n, 2) lie in the room and as far from each taken place (k, 2) as asked, (k,)."""
     ok = np.asarray(shapely.dwithin(room, shapely.points(points_m), ON_THE_BORDER_M))
     for place, least_m in zip(taken_m, apart_m, strict=True):

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.swarm.delayed_news_kernels import MOST_LOST_IN_ROW, Belief, DelayedNews, most_round
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.state import Grid, Hearing, Kinds, Robots
-
-Floats = NDArray[np.float64]
 
 
 def hearing_of(settings: SwarmSettings) -> Hearing | None:
@@ -52,7 +50,7 @@ class Messages:
             told_values[robots.name] = values
         self._most = max(self._most, int(most_round(grid)))
 
-    def begin(self, names: NDArray[np.int64], places_m: Floats) -> None:
+    def begin(self, names: Ints, places_m: Floats) -> None:
         """Robots appear at places (k, 2), and all know of it."""
         self.past[:, :2, names] = places_m.T
         self.past[:, 2:, names] = 0.0

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats
 from rota.planners.swarm.kernels import cell_of, to_wall
 
 
@@ -21,7 +22,7 @@ class Pixels(NamedTuple):
     """
 
     free: NDArray[np.uint8]
-    worth: NDArray[np.float64]
+    worth: Floats
     marks: NDArray[np.int32]
     x0: float
     y0: float

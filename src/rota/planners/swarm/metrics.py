@@ -8,13 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.model.arrays import Flags, Floats
 from rota.planners.swarm.metric_kernels import Pixels, count_turns_back, least_gaps, mark_new
 from rota.planners.swarm.rollout import Swarm
-
-Floats = NDArray[np.float64]
 
 PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
 MOST_PIXELS = 1_000_000
@@ -71,7 +69,7 @@ class Observer:
         swarm: Swarm,
         region: MultiPolygon,
         rest_m: float,
-        squares: NDArray[np.bool_] | None = None,
+        squares: Flags | None = None,
         worth: Callable[[Floats, Floats], Floats] | None = None,
     ) -> None:
         self._swarm, self._first_step = swarm, swarm.steps
@@ -125,9 +123,7 @@ _NAMES = (
 )  # fmt: skip
 
 
-def covered_share(
-    places_m: Floats, sensors_m: Floats, region: MultiPolygon, squares: NDArray[np.bool_] | None = None
-) -> float:
+def covered_share(places_m: Floats, sensors_m: Floats, region: MultiPolygon, squares: Flags | None = None) -> float:
     """Exact share of a region in range of robots at places (n, 2) with sensors (n,): radii, or half sides of squares.
 
     Circles are polygons of 512 corners with the circle's area. squares: (n,) which are some; None: none.

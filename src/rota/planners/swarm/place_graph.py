@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
@@ -14,11 +13,10 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.cells.importance_cells import ImportanceCells
+from rota.model.arrays import Floats, Ints
 from rota.planners.swarm.free_ground_kernels import load_with_capacity
 from rota.planners.swarm.importance_field import with_worth
 from rota.planners.swarm.state import Kinds, PlaceGraph
-
-Floats = NDArray[np.float64]
 
 PLACE_SPACING = 0.5  # of the smallest sensor's radius between places
 MOST_PLACES = 2**18  # no more than about that, so that a huge area costs no memory
@@ -108,7 +106,7 @@ def _turning_points(room: BaseGeometry) -> Floats:
     return np.vstack(corners)
 
 
-def _link(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
+def _link(places: Floats, pairs: Ints, cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
     """The graph of places (n, 2) and links, pairs (l, 2) of places; the lattice begins at ``low`` (2,)."""
     n, (columns, rows) = len(places), shape
     both = np.vstack([pairs, pairs[:, ::-1]])

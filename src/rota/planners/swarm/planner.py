@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.cells.importance_cells import importance_at, states_importance
 from rota.errors import CheckpointError
 from rota.geometry.free_space import free_ground
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Mission
 from rota.model.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
@@ -260,7 +260,7 @@ def make_swarm(
     return swarm
 
 
-def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: NDArray[np.float64] | None = None) -> FleetKinds:
+def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: Floats | None = None) -> FleetKinds:
     """What the robots of a mission in the plane are like; their bodies are wider by ``reserve_m``.
 
     sensors_m: (n,) radii of the discs that they spread with; None: ``sensors_of``.

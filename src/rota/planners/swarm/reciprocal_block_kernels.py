@@ -21,10 +21,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats, Ints
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.kernels import cell_of
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2, decide_reciprocal
-from rota.planners.swarm.state import Floats, Ints, Room
+from rota.planners.swarm.state import Room
 
 U = np.uint64  # of an index that is never below 0: numba would look whether it is
 BLOCK = 32  # robots; the rows of all fit in the first cache

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rota.cells.importance_cells import ImportanceCells
 from rota.errors import MissionError
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import MovingObstacle
 from rota.planners.swarm.deciding import Controller, Deciding
 from rota.planners.swarm.delayed_news_kernels import load_with_told
@@ -21,8 +22,6 @@ from rota.planners.swarm.sorted_robots import Beginning, SortedRobots
 from rota.planners.swarm.state import Decisions, FleetKinds, Guide, Kinds, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 FEWEST_UNSORTED, STEPS_UNSORTED = 10_000, 4  # so many robots are sorted after so many of their longest steps only
 
 
@@ -93,7 +92,7 @@ class Swarm(SortedRobots):
         pass_on_distances(self.steps + 1, self.grid.place_graph)  # what is told at even or odd steps, as this one is
 
     @property
-    def present(self) -> NDArray[np.bool_]:
+    def present(self) -> Flags:
         """(n,) in the order of the fleet: whether each robot takes part."""
         values = np.empty(len(self), np.bool_)
         values[self._robots.name] = self._robots.kind < self._member_kinds

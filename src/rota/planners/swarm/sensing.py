@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats
 from rota.model.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.space_kernels import Bands
-
-Floats = NDArray[np.float64]
 
 
 def bands_of(mission: Mission) -> Bands:
@@ -32,6 +30,6 @@ def sensors_of(mission: Mission) -> Floats:
     )
 
 
-def squares_of(mission: Mission) -> NDArray[np.bool_]:
+def squares_of(mission: Mission) -> Flags:
     """(n,): which robots have square footprints."""
     return np.array([isinstance(robot.sensor, SquareSensor) for robot in mission.fleet.robots or ()], np.bool_)

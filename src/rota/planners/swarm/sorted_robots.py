@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import CheckpointError
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import MovingObstacle
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import settle_distances
@@ -15,9 +15,6 @@ from rota.planners.swarm.kernels import move_and_sort
 from rota.planners.swarm.settle_kernels import note_wishes
 from rota.planners.swarm.state import FleetKinds, Grid, PlaceGraph, Robots, Rule, Snapshot
 from rota.planners.swarm.world import moving_at
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,11 +17,12 @@ from typing import Any, NamedTuple
 
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats
 from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
 from rota.planners.swarm.kernels import cell_of, comes_before, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2
 from rota.planners.swarm.space_set_kernels import add_plane, centroid_in_ball
-from rota.planners.swarm.state import Floats, Grid, Kinds, Near, Outline, Robots, Rule
+from rota.planners.swarm.state import Grid, Kinds, Near, Outline, Robots, Rule
 
 STRAIGHT_ABOVE = 1e-9  # a direction that leads by no more along the plane has none there
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # of its multiples no two are near each other soon

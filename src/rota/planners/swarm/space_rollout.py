@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.cells.importance_cells import ImportanceCells
+from rota.model.arrays import Floats
 from rota.planners.swarm.chunks import Chunks
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
@@ -25,7 +25,6 @@ from rota.planners.swarm.space_set_kernels import MOST_PLANES
 from rota.planners.swarm.state import Decisions, FleetKinds, Rule, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at
 
-Floats = NDArray[np.float64]
 FEWEST_PER_CHUNK = 16  # robots whose decisions take about as long as it takes to wake a thread
 
 

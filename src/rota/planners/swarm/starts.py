@@ -7,16 +7,15 @@ from collections import defaultdict
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
+from rota.model.arrays import Floats
 from rota.model.mission import TOUCH_M, Mission, Robot, StartBox
 from rota.planners.swarm.lattice import lattice_starts
 
-Floats = NDArray[np.float64]
 TRIES = 2000  # random places for one robot
 DENSEST = math.pi / math.sqrt(12)  # share of the plane that equal discs can fill
 BATCH = 64

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
+from rota.model.arrays import Floats, Ints
 
 NEVER = 2**62  # a step that no run comes to
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.model.plan import Trajectory
 from rota.planners.swarm.thinning_kernels import thin
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 LONGEST_BLOCK, SHORTEST_BLOCK = 256, 8  # steps thinned at a time
 MOST_PLACES = 16_000_000  # in a block, so that many robots take little memory
 

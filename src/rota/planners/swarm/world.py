@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from shapely import MultiPolygon
 
 from rota.cells.importance_cells import ImportanceCells
 from rota.errors import MissionError
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.importance_field import field_of
@@ -18,8 +19,6 @@ from rota.planners.swarm.kernels import walls_of_cells
 from rota.planners.swarm.place_graph import empty_place_graph, place_graph_of
 from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Moving
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 CELLS_PER_ROBOT = 4  # no more cells than that, so that a huge area costs no memory
 FEWEST_CELLS = 1024
 

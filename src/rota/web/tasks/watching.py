@@ -10,7 +10,6 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.check import check_plan
@@ -23,6 +22,7 @@ from rota.live.notices import Notice
 from rota.live.ready import make_ready
 from rota.live.session import Session
 from rota.live.watch import Watch
+from rota.model.arrays import Ints
 from rota.model.plan import Plan
 from rota.playback.cells import NO_CELL, SeenCells, seen_cells
 from rota.web.refusal import Json
@@ -103,7 +103,7 @@ class _Fleet:
         return told
 
 
-def place_of_entries(watch: Watch, seen: SeenCells, names: list[str]) -> NDArray[np.int64]:
+def place_of_entries(watch: Watch, seen: SeenCells, names: list[str]) -> Ints:
     """For each entry (n,) of a playback the place of the watch that is nearest and asked for alike; -1: none is."""
     places = watch.places
     left, _, bottom, _ = seen.cell_map.extent_m

@@ -9,9 +9,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission
 from rota.model.plan import Charge, Trajectory
 from rota.planners.swarm.charging.super_period import Outcome, Schedule, SuperPeriod, keep_m
@@ -20,9 +20,6 @@ from rota.planners.swarm.charging.ways import Ways
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.state import Guide
 from rota.planners.swarm.trajectory_log import TrajectoryLog
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SPREADING_SHARE = 0.5  # of what batteries may use: for so long robots spread at most before the first round begins
 LEEWAY = 1.25  # times as long as the way alone takes, since others are in it

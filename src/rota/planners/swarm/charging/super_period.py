@@ -6,16 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Mission
 from rota.planners.swarm.charging.ways import Ways
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.trajectory_log import TrajectoryLog
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MEMBER, OUT, DOCKED, OFF, HOME = range(5)  # takes part; on its way; charges; leaves its charger; goes to its place
 KEEP_SHARE, KEEP_M = 2.2, 1e-3  # of the widest body, and more: what all others keep off a charger by
@@ -228,7 +225,7 @@ class SuperPeriod:
         places[home] = self._posts_m[home]
         return places
 
-    def _at_home(self) -> NDArray[np.bool_]:
+    def _at_home(self) -> Flags:
         """Which robots (n,) have come home."""
         return np.asarray((self._state == HOME) & (np.hypot(*(self._places_m - self._posts_m).T) <= THERE_M))
 

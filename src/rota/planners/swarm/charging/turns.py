@@ -18,14 +18,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Charger, Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SHORTER = 0.01  # of a round, by which a shorter one is tried at least
 
@@ -113,7 +110,7 @@ class Turns:
     places: int
 
     @property
-    def docked(self) -> NDArray[np.bool_]:
+    def docked(self) -> Flags:
         """Which turns (L,) go on across the end of the super-period."""
         return self.ends_s >= self.period_s
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point, standing_space
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import Mission, Robot
 
-Floats = NDArray[np.float64]
 OFF_M = 1e-6  # that ways keep off what stops a body, so that none goes along it
 
 

@@ -56,8 +56,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN
 from rota.planners.swarm.nodes.telling import ROUNDED, Telling
 
@@ -65,7 +65,7 @@ STEPS_TO_TOP = math.ceil(1 / MOST_SPEED_GAIN)
 RADIO_SILENCES = 1.25  # D and a hold, in D
 
 
-def least_radio_m(bodies_m: NDArray[np.float64], speeds_m_s: NDArray[np.float64], silent_s: float) -> float:
+def least_radio_m(bodies_m: Floats, speeds_m_s: Floats, silent_s: float) -> float:
     """The radio range from which on no two robots of these radii (n,) and top speeds (n,) touch; 0 for a single one."""
     ways_m = np.sort(bodies_m + speeds_m_s * ROUNDED * RADIO_SILENCES * silent_s)
     return float(ways_m[-2:].sum()) if len(ways_m) > 1 else 0.0

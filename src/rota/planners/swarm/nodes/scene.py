@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.cells.importance_cells import ImportanceCells
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.nodes.apart import RADIO_SILENCES, least_radio_m
@@ -46,7 +46,7 @@ class Scene:
     mission: Mission
     seed: int
     number: int
-    starts_m: NDArray[np.float64]
+    starts_m: Floats
     fleet: FleetKinds
     grid: Grid
     importance: ImportanceCells | None
@@ -137,7 +137,7 @@ def scene_of(
     )
 
 
-def _spreading_m(mission: Mission) -> NDArray[np.float64]:
+def _spreading_m(mission: Mission) -> Floats:
     """(n,): radii of the discs with which robots spread by area; of a square sensor the disc of the same area.
 
     The discs within squares are all seen wherever these overlap by corners only. Robots that close a gap would stop
