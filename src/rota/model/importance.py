@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,7 @@ from rota.model.arrays import Floats
 from rota.model.field_values import check_fields
 from rota.model.fields import field_of
 from rota.model.limits import LARGEST_M
-from rota.model.refusals import Where, inner, require
+from rota.model.refusals import require
 
 MOST_IMPORTANCE = 1e6
 IMPORTANCE: dict[str, Any] = {"least": 0, "most": MOST_IMPORTANCE}
@@ -64,13 +63,3 @@ class ImportanceMap:
         a, b, v = i - i0, j - j0, self.values
         low, high = (1 - a) * v[j0, i0] + a * v[j0, i1], (1 - a) * v[j1, i0] + a * v[j1, i1]
         return np.asarray((1 - b) * low + b * high)
-
-
-def every_importance(data: Any, message: str) -> Iterator[tuple[Where, str]]:
-    """The message for each importance that a mission as written states."""
-    if data.get("importance") is not None:
-        yield ("importance",), message
-    zones = data.get("zones")
-    for k, zone in enumerate(zones if isinstance(zones, list) else []):
-        if inner(zone, "importance") is not None:
-            yield ("zones", k, "importance"), message

@@ -31,7 +31,7 @@ from rota.model.fleet import (
     StartPoints as StartPoints,
     inner_reach_m as inner_reach_m,
 )
-from rota.model.importance import IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
+from rota.model.importance import IMPORTANCE, ImportanceMap as ImportanceMap
 from rota.model.lanes import Lane as Lane, lane_faults as lane_faults
 from rota.model.limits import DURATION, LARGEST_M, LONGEST_S, MOMENT
 from rota.model.motion_limits import MOTION_FIELDS
@@ -43,6 +43,7 @@ from rota.model.refusals import (
     every_change_of_presence,
     every_choice_of_robots,
     every_motion,
+    every_stated,
     fleet_blocks,
     inner,
     path_of,
@@ -309,20 +310,20 @@ def all_refusals(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) ->
     """
     if kind is not None:
         yield from kind.refusals(data)
-        if data.get("moving_obstacles") and not kind.heeds_moving_obstacles:
-            yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
-        if data.get("lanes") and not kind.heeds_lanes:
-            yield ("lanes",), f"the {kind.planner} planner has no use for lanes: remove them"
+        useless = f"the {kind.planner} planner has no use for "
+        for key, heeded in (("moving_obstacles", kind.heeds_moving_obstacles), ("lanes", kind.heeds_lanes)):
+            if data.get(key) and not heeded:
+                yield (key,), f"{useless}{key}: remove them"
         if inner(data, "fleet", "entrances") is not None and not kind.heeds_entrances:
-            yield ("fleet", "entrances"), f"the {kind.planner} planner has no use for entrances: remove them"
+            yield ("fleet", "entrances"), f"{useless}entrances: remove them"
         if not kind.heeds_importance:
-            yield from every_importance(data, f"the {kind.planner} planner has no use for importance: remove it")
+            yield from every_stated(data, "importance", f"{useless}importance: remove it")
         if not kind.heeds_motion:
             yield from every_motion(data, MOTION_FIELDS, f"the {kind.planner} planner does not heed it: remove it")
         if not kind.heeds_batteries:
             yield from every_motion(data, BATTERY_KEYS, f"the {kind.planner} planner plans no charging: remove it")
             if data.get("chargers"):
-                yield ("chargers",), f"the {kind.planner} planner has no use for chargers: remove them"
+                yield ("chargers",), f"{useless}chargers: remove them"
         if not kind.heeds_kinds:
             yield from every_choice_of_robots(data, f"the {kind.planner} planner has no use for it: remove it")
         if not kind.robots_come_and_go:

@@ -153,14 +153,14 @@ def fleet_blocks(data: Mapping[str, Any]) -> list[tuple[Where, Any]]:
     return [(("fleet",), inner(data, "fleet")), *listed]
 
 
-def every_period(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:
-    """The message for each period that a mission as written asks for."""
-    if data.get("period_s") is not None:
-        yield ("period_s",), message
+def every_stated(data: Mapping[str, Any], field: str, message: str) -> Iterator[tuple[Where, str]]:
+    """The message for each period or importance, by its field's name, that a mission as written states."""
+    if data.get(field) is not None:
+        yield (field,), message
     zones = data.get("zones")
     for k, zone in enumerate(zones if isinstance(zones, list) else []):
-        if inner(zone, "period_s") is not None:
-            yield ("zones", k, "period_s"), message
+        if inner(zone, field) is not None:
+            yield ("zones", k, field), message
 
 
 def every_change_of_presence(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Self
 from rota.errors import MissionError
 from rota.model.limits import LARGEST_M
 from rota.model.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
-from rota.model.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, show_value
+from rota.model.refusals import Where, every_stated, fleet_blocks, inner, listed_robots, robot_count, show_value
 
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]
@@ -189,7 +189,7 @@ class BounceSettings(PlannerSettings):
             yield from _demands_that_nobody_meets(data)
         elif task == "cover":
             message = "covering happens once: remove the period, or write bounce.task: monitor"
-            yield from every_period(data, message)
+            yield from every_stated(data, "period_s", message)
 
 
 CELL_MISSING = "is missing; give the side of a cell in metres"

@@ -6,12 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from rota.model.importance import every_importance
 from rota.model.planner_settings import DURATION, LENGTH, LENGTH_OR_ZERO, PlannerSettings, setting
 from rota.model.refusals import (
     Where,
     every_change_of_presence,
-    every_period,
+    every_stated,
     fleet_blocks,
     inner,
     robot_count,
@@ -150,7 +149,7 @@ class SwarmSettings(PlannerSettings):
         if controller not in HEEDING_IMPORTANCE:
             heeding = " and ".join(HEEDING_IMPORTANCE)
             message = f"the controller {controller} heeds none; {heeding} do: remove it, or choose one of them"
-            yield from every_importance(data, message)
+            yield from every_stated(data, "importance", message)
         if data.get("chargers"):
             yield from _charging_refusals(data)
         if not flying:
@@ -158,8 +157,10 @@ class SwarmSettings(PlannerSettings):
         if data.get("moving_obstacles"):
             yield ("moving_obstacles",), "a swarm with altitudes_m has no use for moving_obstacles: remove them"
         yield from every_change_of_presence(data, "robots with altitudes_m neither join nor leave: remove it")
-        yield from every_period(
-            data, "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it"
+        yield from every_stated(
+            data,
+            "period_s",
+            "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it",
         )
 
 

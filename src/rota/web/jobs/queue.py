@@ -6,6 +6,8 @@ import asyncio
 import contextlib
 import logging
 from collections import deque
+from collections.abc import Callable
+from typing import Any
 
 from rota.web.jobs.live import LiveJob
 from rota.web.jobs.runner import JobRunner
@@ -56,27 +58,18 @@ class JobQueue:
 
     async def add(self, mission: str, asked: Json) -> Json:
         """A new job; Refusal when there are too many, or no such mission."""
-        limits = self._limits
-        job = await asyncio.to_thread(
-            new_job, self._database, mission, asked, most_queued=limits.queued_jobs, most=limits.jobs
-        )
-        return self._enqueue_and_show(job)
+        return await self._add(new_job, mission, asked)
 
     async def replan(self, change: Json, asked: Json) -> Json:
         """A new job that replans; Refusal when there are too many, or no such plan."""
-        limits = self._limits
-        job = await asyncio.to_thread(
-            new_replan, self._database, change, asked, most_queued=limits.queued_jobs, most=limits.jobs
-        )
-        return self._enqueue_and_show(job)
+        return await self._add(new_replan, change, asked)
 
     async def again(self, job: str) -> Json:
         """A new job that asks the same once more."""
-        limits = self._limits
-        made = await asyncio.to_thread(job_again, self._database, job, most_queued=limits.queued_jobs, most=limits.jobs)
-        return self._enqueue_and_show(made)
+        return await self._add(job_again, job)
 
-    def _enqueue_and_show(self, job: Json) -> Json:
+    async def _add(self, make: Callable[..., Json], *asked: Any) -> Json:
+        job = await asyncio.to_thread(make, self._database, *asked, self._limits)
         self._enqueue(job["id"], job["time_limit_s"])
         return self.with_progress(job)
 

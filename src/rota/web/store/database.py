@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from rota.errors import RotaError
+from rota.web.refusal import no_such
 
 FILE_NAME = "rota.sqlite3"
 BUSY_S = 20.0  # how long one process waits while another writes
@@ -137,6 +138,14 @@ def new_id() -> str:
 
 
 Files = Mapping[str, str]  # digests by name
+
+
+def row_of(connection: sqlite3.Connection, kind: str, key: str, columns: str = "*") -> sqlite3.Row:
+    """The row of a mission, an upload, a job or a plan; Refusal for one that there is not."""
+    row: sqlite3.Row | None = connection.execute(f"SELECT {columns} FROM {kind}s WHERE id = ?", (key,)).fetchone()
+    if row is None:
+        raise no_such(kind, key)
+    return row
 
 
 def digest_of(content: bytes) -> str:

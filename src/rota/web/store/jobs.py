@@ -7,15 +7,16 @@ import sqlite3
 from typing import Any
 
 from rota.model.planner_registry import planner_names
-from rota.web.refusal import Json, Refusal, no_such
-from rota.web.store.database import Database, contents_of, new_id, now
+from rota.web.limits import Limits
+from rota.web.refusal import Json, Refusal
+from rota.web.store.database import Database, contents_of, new_id, now, row_of
 from rota.web.store.missions import clean_files, mission_source, name_of, planner_of, text_of
 from rota.web.store.plans import plan_source
 
 OPEN = ("queued", "running")  # the states of jobs that are not over
 
 
-def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, most: int) -> Json:
+def new_job(database: Database, mission: str, asked: Json, limits: Limits) -> Json:
     """Keep a new job for a mission as it is now, to be run when its turn comes.
 
     asked: planner, effort, seed, time_limit_s, and the mission's revision that is meant, each as given or None. Refusal
@@ -25,10 +26,10 @@ def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, 
     document = document_for_planner(document, asked.get("planner"))
     planner = planner_of(document)
     asked = {**asked, "planner": planner, "revision": revision}
-    return _insert(database, mission, document, json.dumps(files), asked, most_queued, most)
+    return _insert(database, mission, document, json.dumps(files), asked, limits)
 
 
-def new_replan(database: Database, change: Json, asked: Json, *, most_queued: int, most: int) -> Json:
+def new_replan(database: Database, change: Json, asked: Json, limits: Limits) -> Json:
     """Keep a new job that replans: change has the plan, the moment at_s of its clock and the robots that are lost.
 
     asked: seed, time_limit_s, each as given or None. Refusal 404 for a plan that there is not, 429 for a full queue.
@@ -37,7 +38,7 @@ def new_replan(database: Database, change: Json, asked: Json, *, most_queued: in
     document = json.loads(row["document"] or json.dumps({"name": row["name"]}))
     same = {key: row[key] for key in ("planner", "effort", "revision")}
     asked = {**asked, **same, "change": json.dumps(change)}
-    return _insert(database, row["mission"], document, row["files"] or "{}", asked, most_queued, most)
+    return _insert(database, row["mission"], document, row["files"] or "{}", asked, limits)
 
 
 def document_for_planner(document: Json, planner: str | None) -> Json:
@@ -47,24 +48,22 @@ def document_for_planner(document: Json, planner: str | None) -> Json:
     return {**{key: value for key, value in document.items() if key not in planner_names()}, "planner": planner}
 
 
-def job_again(database: Database, job: str, *, most_queued: int, most: int) -> Json:
+def job_again(database: Database, job: str, limits: Limits) -> Json:
     """A new job that asks what another one asked, of the mission as it was then."""
-    row = _row(database.connection(), job)
+    row = row_of(database.connection(), "job", job)
     asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s", "revision", "change")}
-    return _insert(database, row["mission"], json.loads(row["document"]), row["files"], asked, most_queued, most)
+    return _insert(database, row["mission"], json.loads(row["document"]), row["files"], asked, limits)
 
 
-def _insert(
-    database: Database, mission: str | None, document: Json, files: str, asked: Json, most_queued: int, most: int
-) -> Json:
+def _insert(database: Database, mission: str | None, document: Json, files: str, asked: Json, limits: Limits) -> Json:
     """Add a job to the queue; Refusal when too many wait or are kept."""
     job = new_id()
     with database.transaction() as cursor:
         count = cursor.execute("SELECT count(*) FROM jobs WHERE state = 'queued'").fetchone()[0]
-        if count >= most_queued:
+        if count >= limits.queued_jobs:
             raise Refusal(429, f"{count} jobs wait already; try again when some are done, or stop some")
-        if cursor.execute("SELECT count(*) FROM jobs").fetchone()[0] >= most:
-            raise Refusal(409, f"{most:,} jobs are kept at most; delete some first")
+        if cursor.execute("SELECT count(*) FROM jobs").fetchone()[0] >= limits.jobs:
+            raise Refusal(409, f"{limits.jobs:,} jobs are kept at most; delete some first")
         cursor.execute(
             "INSERT INTO jobs (id, mission, mission_name, document, files, state, planner, effort, seed, time_limit_s,"
             " revision, change, created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?, ?, ?)",
@@ -87,13 +86,13 @@ def _effort_of(document: Json) -> str | None:
 def job_source(database: Database, job: str) -> tuple[Json, dict[str, bytes], Json]:
     """What a worker plans: the document, the files that it names, and the job."""
     connection = database.connection()
-    row = _row(connection, job)
+    row = row_of(connection, "job", job)
     return json.loads(row["document"]), contents_of(connection, json.loads(row["files"])), _show(row)
 
 
 def job_json(database: Database, job: str) -> Json:
     """A job as the interface shows it, without what is known of it only while it runs."""
-    return _show(_row(database.connection(), job))
+    return _show(row_of(database.connection(), "job", job))
 
 
 def list_jobs(database: Database) -> list[Json]:
@@ -128,19 +127,12 @@ def interrupt_jobs(database: Database) -> int:
 def delete_job(database: Database, job: str) -> None:
     """Delete a job that is over; its plan stays, the lesser ones on the way go."""
     with database.transaction() as cursor:
-        row = _row(cursor, job)
+        row = row_of(cursor, "job", job)
         if row["state"] in OPEN:
             raise Refusal(409, "the job is not over; stop it first")
         cursor.execute("DELETE FROM plans WHERE job = ? AND id IS NOT ?", (job, row["plan"]))
         cursor.execute("DELETE FROM jobs WHERE id = ?", (job,))
         clean_files(cursor)
-
-
-def _row(connection: sqlite3.Connection, job: str) -> sqlite3.Row:
-    row: sqlite3.Row | None = connection.execute("SELECT * FROM jobs WHERE id = ?", (job,)).fetchone()
-    if row is None:
-        raise no_such("job", job)
-    return row
 
 
 def _show(row: sqlite3.Row) -> Json:

@@ -17,6 +17,7 @@ from rota.web.store.database import (
     keep_files,
     new_id,
     now,
+    row_of,
     sizes_of,
 )
 
@@ -43,10 +44,7 @@ def upload_contents(database: Database, upload: str) -> dict[str, bytes]:
 
 
 def _files_of_upload(connection: sqlite3.Connection, upload: str) -> dict[str, str]:
-    row = connection.execute("SELECT files FROM uploads WHERE id = ?", (upload,)).fetchone()
-    if row is None:
-        raise no_such("upload", upload)
-    files: dict[str, str] = json.loads(row[0])
+    files: dict[str, str] = json.loads(row_of(connection, "upload", upload)["files"])
     return files
 
 
@@ -86,7 +84,7 @@ def change_mission(
     What is there already is no change, so that a save can be sent again when its answer was lost.
     """
     with database.transaction() as cursor:
-        row = _row(cursor, mission)
+        row = row_of(cursor, "mission", mission)
         kept, text = json.loads(row["files"]), text_of(document)
         files = kept if upload is None else kept | _files_of_upload(cursor, upload)
         if text != row["document"] or files != kept:
@@ -131,7 +129,7 @@ def list_missions(database: Database) -> list[Json]:
 def mission_json(database: Database, mission: str) -> Json:
     """A mission as the interface shows it; Refusal for one that there is not."""
     connection = database.connection()
-    row = _row(connection, mission)
+    row = row_of(connection, "mission", mission)
     sizes = sizes_of(connection, json.loads(row["files"]))
     return {
         "id": row["id"],
@@ -147,7 +145,7 @@ def mission_json(database: Database, mission: str) -> Json:
 
 def mission_source(database: Database, mission: str, revision: int | None = None) -> tuple[Json, dict[str, str], int]:
     """A mission's document, the digests of its files by name, and its revision; Refusal 409 for one of another."""
-    row = _row(database.connection(), mission)
+    row = row_of(database.connection(), "mission", mission)
     require_revision(row, revision)
     return json.loads(row["document"]), json.loads(row["files"]), row["revision"]
 
@@ -155,14 +153,7 @@ def mission_source(database: Database, mission: str, revision: int | None = None
 def mission_files(database: Database, mission: str) -> dict[str, bytes]:
     """What a mission's files hold, by name."""
     connection = database.connection()
-    return contents_of(connection, json.loads(_row(connection, mission)["files"]))
-
-
-def _row(connection: sqlite3.Connection, mission: str) -> sqlite3.Row:
-    row: sqlite3.Row | None = connection.execute("SELECT * FROM missions WHERE id = ?", (mission,)).fetchone()
-    if row is None:
-        raise no_such("mission", mission)
-    return row
+    return contents_of(connection, json.loads(row_of(connection, "mission", mission)["files"]))
 
 
 def name_of(document: Json) -> str:

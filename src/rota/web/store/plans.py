@@ -10,7 +10,7 @@ from typing import Any
 
 from rota.files.mission_changes import changes
 from rota.web.refusal import Json, Refusal, no_such
-from rota.web.store.database import Database, new_id, now
+from rota.web.store.database import Database, new_id, now, row_of
 
 MOST_MADE = 6  # playbacks and pictures kept of a plan
 # a list of plans is read often: it leaves out the report and the plan itself
@@ -125,7 +125,7 @@ def plan_json(database: Database, plan: str) -> Json:
 
 def plan_report(database: Database, plan: str) -> bytes:
     """The check's report on a plan, as JSON text."""
-    return gzip.decompress(_row(database, plan, "report")[0])
+    return gzip.decompress(row_of(database.connection(), "plan", plan, "report")[0])
 
 
 def plan_text(database: Database, plan: str) -> bytes:
@@ -135,13 +135,14 @@ def plan_text(database: Database, plan: str) -> bytes:
 
 def packed_plan(database: Database, plan: str) -> bytes:
     """The text of the plan file packed by gzip."""
-    packed: bytes = _row(database, plan, "content")[0]
+    packed: bytes = row_of(database.connection(), "plan", plan, "content")[0]
     return packed
 
 
 def plan_source(database: Database, plan: str) -> sqlite3.Row:
     """What a job takes over from a plan: name, mission, planner, effort, revision, document and files."""
-    return _row(database, plan, "name, mission, planner, effort, revision, document, files")
+    columns = "name, mission, planner, effort, revision, document, files"
+    return row_of(database.connection(), "plan", plan, columns)
 
 
 def delete_plan(database: Database, plan: str) -> None:
@@ -171,15 +172,6 @@ def keep_made(database: Database, plan: str, what: str, content: bytes) -> None:
             " (SELECT rowid FROM made WHERE plan = ? ORDER BY rowid DESC LIMIT ?)",
             (plan, plan, MOST_MADE),
         )
-
-
-def _row(database: Database, plan: str, columns: str) -> sqlite3.Row:
-    row: sqlite3.Row | None = (
-        database.connection().execute(f"SELECT {columns} FROM plans WHERE id = ?", (plan,)).fetchone()
-    )
-    if row is None:
-        raise no_such("plan", plan)
-    return row
 
 
 def _show(row: sqlite3.Row) -> Json:
