@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.playback.container import HEAD, MAGIC, TYPES, VERSION, Json
+from rota.model.field_values import Json
+from rota.playback.container import HEAD, MAGIC, TYPES, VERSION
 
 
 def unpack(data: bytes) -> tuple[Json, dict[str, NDArray[Any]]]:

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.model.arrays import Floats, Ints
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Mission
-
-Bools = NDArray[np.bool_]
 
 MAX_CELLS_ALONG = 1600
 
@@ -31,8 +28,8 @@ class CellMap:
     y_m: Floats
     cell_m: float
     period_s: Floats
-    inside: Bools
-    visit: Bools
+    inside: Flags
+    visit: Flags
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
@@ -41,11 +38,11 @@ class CellMap:
         return self.x_m[0] - half, self.x_m[-1] + half, self.y_m[0] - half, self.y_m[-1] + half
 
     @property
-    def asked(self) -> Bools:
+    def asked(self) -> Flags:
         """(rows, columns): cells of which a period is asked."""
         return np.isfinite(self.period_s)
 
-    def points_m(self, mask: Bools) -> Floats:
+    def points_m(self, mask: Flags) -> Floats:
         """(n, 2) centres in metres of the cells in ``mask``, row by row."""
         rows, columns = np.nonzero(mask)
         return np.column_stack([self.x_m[columns], self.y_m[rows]])
@@ -66,7 +63,7 @@ def neighbours(cell_map: CellMap) -> Ints:
     return np.where(shown < 0, own, shown)
 
 
-def _within(shape: MultiPolygon, x_m: Floats, y_m: Floats) -> Bools:
+def _within(shape: MultiPolygon, x_m: Floats, y_m: Floats) -> Flags:
     """(rows, columns): centres inside ``shape``; only those in its bounding box are tried."""
     mask = np.zeros((len(y_m), len(x_m)), dtype=bool)
     left, bottom, right, top = shape.bounds

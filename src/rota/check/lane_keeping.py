@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from rota.check.arrays import Floats, Ints
+from rota.check.arrays import Flags, Floats, Ints
 from rota.check.lane_kernels import first_jumps
 from rota.check.motion import row_ahead
 from rota.check.report import MOST_PER_ROBOT, Violation, violation
@@ -16,8 +15,6 @@ from rota.check.routes import lines_of
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M
 from rota.model.mission import Lane
 from rota.model.plan import Plan, Trajectory
-
-Truths = NDArray[np.bool_]
 
 
 class _Pieces(NamedTuple):
@@ -40,7 +37,7 @@ class _Ways(NamedTuple):
     begins_at: Ints
     ends_at: Ints
 
-    def where(self, kept: Truths) -> _Ways:
+    def where(self, kept: Flags) -> _Ways:
         """Those that are kept, (c,)."""
         return _Ways(*(values[kept] for values in self))
 

@@ -12,9 +12,9 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from rota.cells.cell_map import Bools, CellMap, cell_map_of, neighbours
+from rota.cells.cell_map import CellMap, cell_map_of, neighbours
 from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
-from rota.model.arrays import Floats
+from rota.model.arrays import Flags, Floats
 from rota.model.plan import Plan
 
 # a gap that equals the period to rounding meets it
@@ -33,20 +33,20 @@ class GapMap:
 
     cell_map: CellMap
     ratio: Floats
-    excluded: Bools
+    excluded: Flags
 
     @property
-    def never(self) -> Bools:
+    def never(self) -> Flags:
         """(rows, columns): asked for and never seen."""
         return np.isinf(self.ratio)
 
     @property
-    def blank(self) -> Bools:
+    def blank(self) -> Flags:
         """(rows, columns): ground of which nothing is asked."""
         return np.isnan(self.ratio) & self.cell_map.inside & ~self.excluded
 
     @property
-    def late(self) -> Bools:
+    def late(self) -> Flags:
         """(rows, columns): seen, but with a gap longer than the period."""
         return np.isfinite(self.ratio) & (self.ratio > ON_TIME)
 
@@ -86,7 +86,7 @@ def _between_visits(plan: Plan, points_m: Floats) -> Floats:
     return ratio
 
 
-def _cells_path(cell_map: CellMap, mask: Bools) -> Path:
+def _cells_path(cell_map: CellMap, mask: Flags) -> Path:
     """The cells in ``mask`` as one path of rectangles, one for each run of cells in a row."""
     padded = np.pad(mask, ((0, 0), (1, 1))).astype(np.int8)
     rows, starts = np.nonzero(np.diff(padded, axis=1) == 1)
@@ -99,7 +99,7 @@ def _cells_path(cell_map: CellMap, mask: Bools) -> Path:
     return Path(vertices.reshape(-1, 2), codes.astype(np.uint8))
 
 
-def _broad(mask: Bools) -> Bools:
+def _broad(mask: Flags) -> Flags:
     """The mask without what is thinner than three cells, where a hatch would hide the colour it lies on."""
     for join, edge in ((np.logical_and, True), (np.logical_or, False)):
         for axis in (0, 1):

@@ -6,26 +6,23 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
 from rota.cells.cell_map import CellMap
 from rota.check.counting import counts
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
-from rota.model.arrays import Floats
+from rota.model.arrays import Flags, Floats
 from rota.model.mission import DiscSensor, Mission, Sensor, inner_reach_m
 from rota.model.plan import Plan
 from rota.routes.flights import on_charger
 from rota.routes.moments import corner_times_s
 
-Bools = NDArray[np.bool_]
-
 # looks per reach of the sensor: beside obstacles, where a look is one footprint, four miss less than 1 % of its width
 LOOKS_PER_REACH = 4
 
 
-def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Bools:
+def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Flags:
     """Which points come into the sensor's range while its robot goes along a straight leg (2, 2), obstacles aside."""
     along_x, along_y = leg_m[1] - leg_m[0]
     to_x, to_y = x_m - leg_m[0, 0], y_m - leg_m[0, 1]
@@ -43,7 +40,7 @@ def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Bools:
     return np.asarray(enters <= leaves)
 
 
-def cells_that_count(mission: Mission, cell_map: CellMap, sensor: Sensor) -> Bools:
+def cells_that_count(mission: Mission, cell_map: CellMap, sensor: Sensor) -> Flags:
     """Which cells (rows, columns) a robot's looks count for: all but those of zones that name other sensors."""
     found = np.ones(cell_map.period_s.shape, np.bool_)
     x_m, y_m = np.meshgrid(cell_map.x_m, cell_map.y_m)
@@ -106,7 +103,7 @@ class Sightings:
         """Time since last seen over the period, (rows, columns); inf: not yet seen, nan: nothing asked."""
         return (time_s - self.last_seen_s) / self.cell_map.period_s
 
-    def _look(self, sensor: Sensor, leg_m: Floats, time_s: float, counting: Bools) -> None:
+    def _look(self, sensor: Sensor, leg_m: Floats, time_s: float, counting: Flags) -> None:
         """What is seen along a short leg (2, 2), of cells that count; beside obstacles: from its end."""
         cut = cut_footprint(self._walls, sensor, leg_m[1])
         if cut is not None:

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Ints
 from rota.model.plan import Floats
-
-Longs = NDArray[np.int64]
 
 TOUCH_M = 1e-6
 MOST_TOGETHER = 4096  # rounds of a loop that are looked at until two robots' loops come together again
@@ -31,7 +29,7 @@ class Driven:
     legs: Sequence[int]
     loop_s: float
 
-    def until(self, end_s: float) -> tuple[Floats, Floats, Longs]:
+    def until(self, end_s: float) -> tuple[Floats, Floats, Ints]:
         """Times, places and legs from 0 to beyond ``end_s``, as arrays."""
         times, places, legs = np.array(self.times_s), np.array(self.places_m), np.array(self.legs)
         if self.loop_s > 0 and times[-1] < end_s:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from shapely import MultiPolygon, transform
@@ -14,11 +13,11 @@ from shapely.geometry.polygon import orient
 
 from rota.files.atomic_write import write_atomically
 from rota.files.geodesy import Projection
+from rota.model.field_values import Json
 from rota.model.mission import Mission
 from rota.model.plan import Floats, Plan, Trajectory
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
-Json = dict[str, Any]
 ToMap = Callable[[Floats], Floats]
 
 SHAPE_DIGITS = 9  # of degrees 0.1 mm on the ground; routes keep all digits

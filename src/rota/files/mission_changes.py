@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rota.files.shape_schema import Area
+from rota.model.field_values import Json
 from rota.model.fields import UNITS, fields_of, unit_of
 from rota.model.planner_registry import planner_names
-
-Json = dict[str, Any]
 
 # names change nothing of a plan; lists show the planner of each plan
 _NO_CHANGE = ("rota", "name", "planner")

@@ -7,10 +7,8 @@ from typing import Any
 
 from shapely import MultiPolygon
 
-from rota.model.field_values import in_file_form
+from rota.model.field_values import Json, in_file_form
 from rota.model.mission import Mission, Obstacle
-
-Json = dict[str, Any]
 
 
 def mission_to_json(mission: Mission) -> Json:

@@ -16,13 +16,12 @@ from rota.files.mission_schema import DRIVING
 from rota.files.mission_text import mission_text
 from rota.files.rings import open_ring, wkt_of
 from rota.files.yaml_text import parse_text
+from rota.model.field_values import Json
 from rota.model.fields import REQUIRED, fields_of, flat_fields_of
 from rota.model.fleet import Abilities, Fleet, Kind, Robot
 from rota.model.mission import Mission, Obstacle, Zone
 from rota.model.planner_settings import Settings
 from rota.vehicles.presets import NONE
-
-Json = dict[str, Any]
 
 
 def write_mission(mission: Mission, path: str | os.PathLike[str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from rota.errors import MissionError, PlanError, RotaError
 from rota.files.atomic_write import write_atomically
@@ -14,11 +14,11 @@ from rota.files.json_text import digest_of, unique_keys
 from rota.files.local_file import read_bytes
 from rota.files.mission_json import block_to_json, mission_to_json
 from rota.files.plan_schema import PLAN_VERSION, plan_block
+from rota.model.field_values import Json
 from rota.model.fields import fields_of
 from rota.model.plan import Plan
 from rota.model.refusals import path_of
 
-Json = dict[str, Any]
 MOST_FAULTS = 20
 _OF_PLAN = {item.key or item.name for item in fields_of(Plan)}
 MADE_BY = "'rota plan' writes one"

@@ -15,13 +15,12 @@ import numpy as np
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import DEGREE_DIGITS, Autopilot, Item, cruise_speed_m_s, mission_items
 from rota.files.robot_files import write_robot_files
+from rota.model.field_values import Json
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.routes.fence import FENCE_MARGIN_M, fence_of
 from rota.routes.flights import ends_on_charger
 from rota.routes.route import Ring
-
-Json = dict[str, Any]
 
 FIRMWARE = {"ardupilot": 3, "px4": 12}  # MAV_AUTOPILOT
 QUADROTOR = 2

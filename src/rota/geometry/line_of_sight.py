@@ -13,9 +13,8 @@ from shapely import MultiPolygon, Polygon
 
 from rota.geometry import kernels, sight_kernels
 from rota.geometry.kernels import EdgeGrid
-from rota.model.arrays import Floats, Ints
+from rota.model.arrays import Flags, Floats, Ints
 
-Booleans = NDArray[np.bool_]
 Number = TypeVar("Number", np.float64, np.int64)
 
 # Cells per edge: few enough to build in milliseconds, so many that most cells hold no edge and lines skip over them.
@@ -56,12 +55,12 @@ def edge_grid(edges_m: Floats, cell_m: float | None = None) -> EdgeGrid:
     return EdgeGrid(x0, y0, cell, nx, ny, start, items, edges, clear)
 
 
-def points_inside(points_m: Floats, grid: EdgeGrid) -> Booleans:
+def points_inside(points_m: Floats, grid: EdgeGrid) -> Flags:
     """Which points (n, 2) in metres lie in the closed space whose border the grid holds."""
     return np.asarray(kernels.points_in_space(_rows(points_m, 2, "points_m"), grid))
 
 
-def segments_free(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Booleans:
+def segments_free(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Flags:
     """Which straight lines from a (n, 2) to b (n, 2) in metres stay in the closed space whose border the grid holds.
 
     Running along the border and through its corners is allowed. Both ends must lie in the space.
@@ -69,7 +68,7 @@ def segments_free(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Booleans:
     return np.asarray(kernels.free_segments(*_pairs(a_m, b_m), grid))
 
 
-def sees(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Booleans:
+def sees(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Flags:
     """Which points b (n, 2) in metres are seen from points a (n, 2) between the walls of sight in the grid.
 
     A line of sight may touch obstacles and run along them; a point inside an obstacle neither sees nor is seen.

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Json = dict[str, Any]
+from rota.model.field_values import Json
+
 Arrays = Mapping[str, NDArray[Any]]
 
 MAGIC, VERSION = b"ROTAPLAY", 1

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from rota.files.mission_json import mission_to_json
+from rota.model.field_values import Json
 from rota.model.mission import Mission
-
-Json = dict[str, Any]
 
 
 def ground_to_json(mission: Mission) -> Json:

@@ -6,14 +6,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rota.model.arrays import Floats
+from rota.model.arrays import Floats, Ints
 from rota.model.fleet import Robot
 from rota.model.mission import Charger
 from rota.model.plan import Trajectory
-
-Whole = NDArray[np.int64]
 
 STILL_M = 1e-9  # a robot that moves by no more than this stands
 
@@ -31,7 +28,7 @@ class ChargingLegs(NamedTuple):
     begins_s: Floats
     ends_s: Floats
     uses: Floats
-    docks: Whole
+    docks: Ints
     fills: Floats
     swaps_s: Floats
     leaves_s: Floats
@@ -64,7 +61,7 @@ def charging_legs(way: Trajectory, robot: Robot, chargers: tuple[Charger, ...]) 
     return ChargingLegs(begins_s, ends_s, uses, docks, fills, swaps_s, ends_s + stays_s, needs_s)
 
 
-def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Whole, takeoff_s: float) -> tuple[Floats, Floats]:
+def _ahead(way: Trajectory, lasts_s: Floats, uses: Floats, docks: Ints, takeoff_s: float) -> tuple[Floats, Floats]:
     """For each leg how long the robot stays on its charger after it, and what it then uses until it charges again."""
     count, first, loops = len(lasts_s), way.loop_index, way.loop_duration_s > 0
     stays_s, needs_s = [0.0] * count, [0.0] * count

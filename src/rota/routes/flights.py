@@ -6,16 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
-from rota.model.arrays import Flags
+from rota.model.arrays import Flags, Ints
 from rota.model.fleet import Robot
 from rota.model.plan import Charge, Floats, Plan, Trajectory
 from rota.routes.constant_speeds import at_constant_speeds
 
 STRAIGHT_M = 1e-6  # by which a place may be off the straight way that goes on past it
-Whole = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,7 +108,7 @@ def _legs_on_charger(one: Trajectory) -> Flags:
     return docked
 
 
-def _runs(legs: Whole, seam: tuple[int, int] | None = None) -> Iterator[Whole]:
+def _runs(legs: Ints, seam: tuple[int, int] | None = None) -> Iterator[Ints]:
     """Legs that follow each other; over the seam of a loop, which goes from one leg to before another, too."""
     if len(legs):
         follows = np.diff(legs) == 1
@@ -119,7 +117,7 @@ def _runs(legs: Whole, seam: tuple[int, int] | None = None) -> Iterator[Whole]:
         yield from np.split(legs, np.flatnonzero(~follows) + 1)
 
 
-def _flight(one: Trajectory, docked: Flags, run: Whole) -> Flight:
+def _flight(one: Trajectory, docked: Flags, run: Ints) -> Flight:
     """The flight over the legs of a run, which may go on across the seam of the loop."""
     times_s, places_m, round_s = one.times_s, one.positions_m, one.loop_duration_s
     late_s = np.where(run < run[0], round_s, 0.0)

@@ -23,7 +23,7 @@ from rota.files.geodesy import projection_of
 from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
 from rota.files.timed_places import START
 from rota.files.vda5050_files import OrderSettings, orders_text
-from rota.files.vda5050_versions import Json
+from rota.model.field_values import Json
 from rota.model.plan import Plan, Trajectory
 from rota.routes.driven_route import from_start
 from rota.routes.route import RouteStop, route_of, start_height_m

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.cells.importance_cells import ImportanceCells, importance_cells
-from rota.model.arrays import Floats
+from rota.model.arrays import Flags, Floats
 from rota.model.mission import Mission
 from rota.planners.swarm.offer_kernels import LEVELS, most_offered
 from rota.planners.swarm.state import ImportanceField, PlaceGraph
-
-Bools = NDArray[np.bool_]
 
 CELLS_PER_SENSOR = 16.0  # of the smallest sensor's radius
 DEAR = 4.0  # of twice the longest way on the map: so much farther an offer of nothing counts as
@@ -41,7 +38,7 @@ def field_of(cells: ImportanceCells | None) -> ImportanceField:
     return ImportanceField(values, sums, moments, left, bottom, side_m)
 
 
-def with_worth(graph: PlaceGraph, with_ground: Bools, sensor_m: float, cells: ImportanceCells) -> PlaceGraph:
+def with_worth(graph: PlaceGraph, with_ground: Flags, sensor_m: float, cells: ImportanceCells) -> PlaceGraph:
     """The graph with the importance of the ground about each place; each cell of ground belongs to the nearest place.
 
     with_ground: (k,) which places stand for ground. Ground farther than a place's cell from any of them is left out.

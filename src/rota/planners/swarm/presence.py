@@ -6,14 +6,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags
 from rota.model.mission import Mission
 from rota.model.plan import Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import Swarm
 
-Bools = NDArray[np.bool_]
 TOLERANCE = 1e-9  # of a step; times that are meant to be those of steps are
 
 
@@ -30,7 +29,7 @@ class Presence:
         changes = np.concatenate([self._joins, self._leaves[np.isfinite(self._leaves)], [0]])
         self.last_change = int(changes.max())
 
-    def at(self, step: int) -> Bools:
+    def at(self, step: int) -> Flags:
         """Which robots take part in a step, (n,)."""
         return (self._joins <= step) & (step < self._leaves)
 
