@@ -11,19 +11,19 @@ import numpy as np
 import shapely
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure as Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.spatial import cKDTree
 
-from rota.cells.cell_map import cell_map_of, neighbours
+from rota.cells.cell_map import cell_map_of
+from rota.draw.gap_map import colour_cells
 from rota.draw.house_style import house_style
 from rota.draw.least_left import LeastLeft, least_left_chart
 from rota.draw.legends import BAR, scale_bar
 from rota.draw.mission_picture import FONT_PT, draw_mission, mission_legend, plain
-from rota.draw.palette import LineStyle, gap_colours, route_style
+from rota.draw.palette import LineStyle, route_style
 from rota.draw.picture_file import write_picture
 from rota.draw.plan_picture import BAR_TEXT
 from rota.draw.two_maps import Half, two_maps
@@ -100,17 +100,8 @@ def _draw_shares(mission: Mission, made: Availability, ax: Axes) -> AxesImage:
     shown[cell_map.visit] = within
     area = draw_mission(mission, ax, fill=False)
     least = min([*made.shares.tolist(), *made.visits.values()])
-    image = ax.imshow(
-        np.ma.masked_invalid(shown.ravel()[neighbours(cell_map)]),
-        extent=cell_map.extent_m,
-        origin="lower",
-        interpolation="nearest",
-        aspect="equal",
-        cmap=gap_colours(),
-        norm=Normalize(min(LOWEST, math.floor(10 * least) / 10), 1.0),
-        zorder=1.2,
-        clip_path=area,
-    )
+    lowest = min(LOWEST, math.floor(10 * least) / 10)
+    image = colour_cells(cell_map, np.ma.masked_invalid(shown), ax, area, lowest)
     draw_zone_labels(mission, ax, brief=True)
     return image
 

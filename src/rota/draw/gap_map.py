@@ -109,26 +109,30 @@ def _broad(mask: Flags) -> Flags:
     return mask
 
 
-def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
-    """The map on ``ax``; late places red and hatched, unseen ones pale and hatched, the rest white and dotted.
-
-    ``area``: the area's patch, by which all is cut: cells on its border reach beyond it.
-    """
-    cell_map = gaps.cell_map
-    shown = neighbours(cell_map)
-    drawn = np.ma.masked_invalid(np.where(gaps.late, gaps.ratio, np.minimum(gaps.ratio, 1.0)))
-    drawn[gaps.never] = np.ma.masked
-    image = ax.imshow(
-        drawn.ravel()[shown],
+def colour_cells(cell_map: CellMap, drawn: Floats, ax: Axes, area: Patch, least: float = 0.0) -> AxesImage:
+    """Numbers (rows, columns) of cells by their colours, on a scale from the least to 1, cut by the area's patch."""
+    return ax.imshow(
+        drawn.ravel()[neighbours(cell_map)],
         extent=cell_map.extent_m,
         origin="lower",
         interpolation="nearest",
         aspect="equal",
         cmap=gap_colours(),
-        norm=Normalize(0.0, 1.0),
+        norm=Normalize(least, 1.0),
         zorder=1.2,
         clip_path=area,
     )
+
+
+def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
+    """The map on ``ax``; late places red and hatched, unseen ones pale and hatched, the rest white and dotted.
+
+    ``area``: the area's patch, by which all is cut: cells on its border reach beyond it.
+    """
+    shown = neighbours(gaps.cell_map)
+    drawn = np.ma.masked_invalid(np.where(gaps.late, gaps.ratio, np.minimum(gaps.ratio, 1.0)))
+    drawn[gaps.never] = np.ma.masked
+    image = colour_cells(gaps.cell_map, drawn, ax, area)
     # hatched, because in a grey print red is just another grey
     for mask, face, hatch, edge in (
         (gaps.blank, NOTHING_ASKED, "....", "#777777"),
@@ -137,7 +141,7 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
         (gaps.excluded, EXCLUDED, "", EXCLUDED),
     ):
         if mask.any():
-            path = _cells_path(cell_map, mask.ravel()[shown])
+            path = _cells_path(gaps.cell_map, mask.ravel()[shown])
             patch = PathPatch(path, facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0, zorder=1.3)
             ax.add_patch(patch).set_clip_path(area)
     return image
