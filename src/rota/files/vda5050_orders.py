@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rota.errors import PlanError
-from rota.files.vda5050_versions import TIMED_WAIT, VERSION_2_1, Protocol, WaitAction
-from rota.model.field_values import Json
+from rota.files.vda5050_versions import TIMED_WAIT, VERSION_2_1, Json, Protocol, WaitAction
 from rota.routes.driven_route import from_start
 from rota.routes.route import Route, RouteStop
 from rota.routes.turning import with_turning

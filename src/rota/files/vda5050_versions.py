@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Any
 
 from rota.errors import PlanError
-from rota.model.field_values import Json
+
+Json = dict[str, Any]
 
 SPOKEN = "2.0, 2.1 and 3.0"
 _VERSION = re.compile(r"([23])\.(\d{1,4})(\.\d{1,4})?")

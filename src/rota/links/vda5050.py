@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from rota.errors import LinkError
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window
-from rota.files.vda5050_versions import SPOKEN, WaitAction, wait_action_given
+from rota.files.vda5050_versions import SPOKEN, Json, WaitAction, wait_action_given
 from rota.links.extras import required
 from rota.links.link import Order
 from rota.links.reporting import RealTimeLink
@@ -32,7 +32,6 @@ from rota.links.vda5050_state import (
 )  # fmt: skip
 from rota.links.vda5050_talk import Talk
 from rota.links.vda5050_vehicle import ENDED, Vda5050Vehicle
-from rota.model.field_values import Json
 from rota.model.plan import Plan
 from rota.routes.route import Place3, Route, route_of
 

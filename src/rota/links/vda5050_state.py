@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 
 from rota.files.vda5050_orders import MOST_SEQUENCE
 from rota.files.vda5050_versions import TRIGGERED, Protocol, WaitAction, protocol_of
-from rota.model.field_values import Json
 
 MOST_BYTES = 1 << 20  # of a message: some ten thousand nodes
 MOST_TEXT = 200  # letters of a description that are kept
@@ -22,6 +21,7 @@ STOPPING = ("FATAL", "CRITICAL")  # levels of errors with which a vehicle cannot
 # names of actions that wait, and of their parameters that hold seconds, as vehicles of several makers have them
 WAITS, DURATIONS = ("wait", "noop", "delay"), ("duration", "time", "waittime", "seconds")
 
+Json = dict[str, Any]
 Value = TypeVar("Value")
 
 

@@ -9,11 +9,10 @@ from contextlib import suppress
 from functools import partial
 
 from rota.errors import LinkError
-from rota.files.vda5050_versions import SPOKEN
+from rota.files.vda5050_versions import SPOKEN, Json
 from rota.links.vda5050_broker import Broker, Vda5050Settings
 from rota.links.vda5050_state import MOST_TEXT, VehicleState
 from rota.links.vda5050_vehicle import ASK_AGAIN_S, ENDED, Vda5050Vehicle
-from rota.model.field_values import Json
 
 MOST_OTHERS = 10  # vehicles at the broker that are not the plan's, for error messages
 MOST_ERRORS = 3  # that a vehicle reports and a message tells

@@ -7,6 +7,7 @@ import time
 import uuid
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from typing import Any
 
 from rota.files.timed_places import instant_text
 from rota.files.vda5050_orders import NumberedStops, Vehicle, Window, order_message, wait_id
@@ -14,8 +15,9 @@ from rota.files.vda5050_versions import Protocol, WaitAction, protocol_of
 from rota.links.link import Mode
 from rota.links.vda5050_pace import Pace
 from rota.links.vda5050_state import Part, VehicleError, VehicleState
-from rota.model.field_values import Json
 from rota.routes.route import Route, RouteStop
+
+Json = dict[str, Any]
 
 ENDED = ("FINISHED", "FAILED")
 MOST_LEVELS = 5  # of topics on which a vehicle is heard
