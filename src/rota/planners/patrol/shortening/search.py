@@ -17,7 +17,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
+from rota.planners.patrol.ground.samples import known_walls, lay_out
 from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
@@ -40,7 +40,7 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
     is, for no linear program closes the gaps there; and so is ground of more than ``LARGEST`` reaches of ideal loop.
     Loops of robots with mass lose spikes alone. The larger the ground, the fewer attempts its ``most_work`` allows, and
-    the last ones take least.
+    the last ones take least. Where none passes the last one is led by detours past what it leaves.
     """
     settings, problem = context.settings.shortening, context.problem
     if not can_bend(problem) or reaches(problem) > LARGEST or any(tour.revisits for tour in found.tours):
@@ -49,7 +49,7 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     may_be_bold = not fewest_turns and not has_nests(found.tours)
     anneals = not problem.robot.motion.has_mass  # with mass they take a fourth of the time for nothing
     attempts = [attempt for attempt in settings.attempts if anneals and (may_be_bold or not attempt.bold)]
-    left = settings.most_work / reaches(problem)
+    left, tried = settings.most_work / reaches(problem), None
     for turn, attempt in enumerate(attempts):
         if context.should_stop():
             break
@@ -58,16 +58,21 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
             continue
         left -= attempt.moves + rounds * settings.round_moves
         context.progress(0.6 * turn / len(attempts), "looking for shorter loops")
-        shorter = annealed_and_repaired(
+        if attempt is attempts[-1] and rounds < settings.rounds and not fewest_turns:
+            rounds = (rounds + 1) // 2  # the other half may be detours
+        tried = annealed_and_repaired(
             with_rounds(context, rounds),
             found.tours,
             attempt.stages,
             fewest_turns=fewest_turns,
             seed=context.seed + 10 * turn,
         )
-        if is_better(shorter, found, fewest_turns=fewest_turns):
-            found = shortened_further(context, shorter, left=left) if may_be_bold else shorter
+        if is_better(tried, found, fewest_turns=fewest_turns):
+            found = shortened_further(context, tried, left=left) if may_be_bold else tried
             break
+    else:
+        if tried is not None and not fewest_turns:
+            found = led_past_the_rest(context, found, tried)
     rounds = rounds_within(settings, 0, left)
     return without_spikes(with_rounds(context, rounds), found, fewest_turns=fewest_turns) if rounds else found
 
@@ -125,7 +130,7 @@ def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> R
     """The plan with its tours straight on past their spikes, repaired; the plan given where that is no better."""
     if context.should_stop() or not (found := spikes(context.problem, plan.tours)):
         return plan
-    straight = repair_for_length(context, without(plan.tours, found), plan.tours, detours=not fewest_turns)
+    straight = repair_for_length(context, without(plan.tours, found), plan.tours)
     return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan
 
 
@@ -150,16 +155,14 @@ def annealed_and_repaired(
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
         if (own := samples[stage.coarse]) is not None:
             tried = anneal_for_length(context, tried, own, stage, seed=seed + turn)
-    return repair_for_length(context, as_they_were(tried, tours), tours, detours=not fewest_turns)
+    return repair_for_length(context, as_they_were(tried, tours), tours)
 
 
-def repair_for_length(context: Context, tours: list[Tour], old: list[Tour], *, detours: bool = True) -> Repaired:
+def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
     """The tours after repairs by linear programs for which every metre counts; met or not.
 
     old: those that they are to be shorter than; once they are too long the repair ends. Tours are bent a hundredth of
     the reach beyond what they miss, and go on while they are 0.2 % over their budgets.
-
-    detours: what half of the rounds leave unseen the other half sees by detours, which are longer and turn more.
     """
     settings = context.settings.shortening
     repair = replace(
@@ -168,15 +171,24 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour], *, d
         over_budget_limit=0.002,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
+    return repair_until_feasible(
+        own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
+        is_in_vain=lambda tours: is_too_long(tours, old),
+    )  # fmt: skip
 
-    def repaired(tours: list[Tour], extra: SamplePoints, rounds: int, *, bends: bool) -> Repaired:
-        return repair_until_feasible(
-            own, tours, extra, may_add=False, rounds=rounds, annealed=bends, is_in_vain=lambda t: is_too_long(t, old)
-        )
 
-    bent = repaired(tours, no_points(), (settings.rounds + 1) // 2 if detours else settings.rounds, bends=True)
-    ends = not detours or bent.met or not bent.within_budgets or is_too_long(bent.tours, old) or context.should_stop()
-    return bent if ends else repaired(bent.tours, bent.extra, settings.rounds // 2, bends=False)
+def led_past_the_rest(context: Context, found: Repaired, tried: Repaired) -> Repaired:
+    """The loops of an attempt with detours past what programs left unseen; the plan found where they are no better.
+
+    Detours are longer than programs, and turn more, but come to an end.
+    """
+    if not tried.within_budgets or is_too_long(tried.tours, found.tours):
+        return found
+    led = repair_until_feasible(
+        context, tried.tours, tried.extra, may_add=False, rounds=context.settings.shortening.rounds // 2,
+        is_in_vain=lambda tours: is_too_long(tours, found.tours),
+    )  # fmt: skip
+    return led if is_better(led, found, fewest_turns=False) else found
 
 
 def anneal_for_length(
