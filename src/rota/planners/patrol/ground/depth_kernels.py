@@ -12,6 +12,14 @@ from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, sectors_fro
 from rota.planners.patrol.tolerances import ON_LINE_M, TIE
 
 
+def depths_near_walls(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> tuple[Any, Any]:
+    """The depths of the points that have walls, and the row (n,) of each point there; 0 for one that has none."""
+    walled = np.flatnonzero(np.diff(wall_start))
+    row = np.zeros(len(xy), dtype=np.int32)
+    row[walled] = np.arange(len(walled))
+    return depths(xy[walled], wall_start[np.append(walled, len(xy))], wall_item, walls), row
+
+
 @kernel(error_model="numpy")
 def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     """(n, 2, DEPTH_SECTORS) float32 squared metres: up to there nothing is hidden, and beyond there everything is.

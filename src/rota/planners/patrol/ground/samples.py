@@ -16,7 +16,7 @@ from rota.geometry import kernels
 from rota.geometry.free_space import DemandedRegion
 from rota.model.mission import Robot, inner_reach_m
 from rota.model.polygons import polygons_of
-from rota.planners.patrol.ground.depth_kernels import depths
+from rota.planners.patrol.ground.depth_kernels import depths_near_walls
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
 from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M, TO_SPARE
@@ -216,15 +216,11 @@ def prepare(
         rows = joined_rows(known, walls_in_reach(new, walls, reach_m))
         wall_start, wall_item = rows_in_order(*rows, order)
     points = points[order]
-    longer = walls.copy().reshape(-1, 4)
-    along = longer[:, 2:] - longer[:, :2]
+    along = np.diff(walls.reshape(-1, 2, 2), axis=1)[:, 0]
     along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
-    longer[:, :2] -= along
-    longer[:, 2:] += along
+    longer = walls.reshape(-1, 4) + np.hstack([-along, along])
     frames, frame_ints, column_start = lattice_frames(points[: len(on_lattice)])
-    walled = np.flatnonzero(np.diff(wall_start))
-    depth_row = np.zeros(len(points), dtype=np.int32)
-    depth_row[walled] = np.arange(len(walled))
+    depth2, depth_row = depths_near_walls(points.xy_m, wall_start, wall_item, longer)
     samples = Samples(
         x=np.ascontiguousarray(points.xy_m[:, 0]),
         y=np.ascontiguousarray(points.xy_m[:, 1]),
@@ -235,7 +231,7 @@ def prepare(
         wall_start=wall_start,
         wall_item=wall_item,
         walls=np.ascontiguousarray(longer),
-        depth2=depths(points.xy_m[walled], wall_start[np.append(walled, len(points))], wall_item, longer),
+        depth2=depth2,
         depth_row=depth_row,
         next_walled=next_with_walls(wall_start),
         frames=frames,
