@@ -8,6 +8,9 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
@@ -26,6 +29,8 @@ from rota.planners.patrol.relief.slots import only_visits
 from rota.planners.patrol.verdict import Judge
 from rota.planning.progress import Watch
 
+Floats = NDArray[np.float64]
+
 
 class Search(Protocol):
     """How a mission without batteries is planned."""
@@ -37,12 +42,13 @@ class Search(Protocol):
 def plan_that_charges(
     mission: Mission, *, seed: int, judge: Judge, progress: Callable[[float, str], None],
     should_stop: Callable[[], bool], watch: Watch | None, search: Search,
+    turns_s: Floats | None = None,
 ) -> Plan:  # fmt: skip
     """The plan with the fewest robots that charge: ``relieve``, and ``plan_with_circuits`` where that may take fewer.
 
-    It is one for ``with_reserve(mission)``, and passes the judge as that; its bound is that of what is asked. Raises
-    NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and where neither
-    finds one.
+    It is one for ``with_reserve(mission)``, and passes the judge as that; its bound is that of what is asked. turns_s:
+    how long turns at loops may be, and no circuits; None: anything. Raises NoPlanFound where no plan exists since
+    batteries are too small or places at chargers too few, and where neither finds one.
     """
     require_reach(mission)
     tight = with_reserve(mission)
@@ -56,8 +62,9 @@ def plan_that_charges(
     best = max_of([always, bound])
     loops = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
     posts = posts_of(problem, mission.chargers) if only_visits(mission) else ()
-    relieved = _take_turns([loops.trajectories, posts] if posts else [loops.trajectories], loops, tight, seed, judge)
-    most = _most_on_circuits(mission, relieved, best.robots)
+    tried = [loops.trajectories, posts] if posts else [loops.trajectories]
+    relieved = _take_turns(tried, loops, tight, seed, judge, turns_s)
+    most = _most_on_circuits(mission, relieved, best.robots) if turns_s is None else 0
     if most > 0 and not should_stop():
         told = share_of_progress(progress, 0.4, 1.0)
 
@@ -74,14 +81,15 @@ def plan_that_charges(
 
 
 def _take_turns(
-    tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, seed: int, judge: Judge
-) -> Plan | NoPlanFound:
+    tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, seed: int, judge: Judge,
+    turns_s: Floats | None,
+) -> Plan | NoPlanFound:  # fmt: skip
     """The plan with the fewest robots that take turns at the loops of one of some plans, or why none does."""
     best: Plan | NoPlanFound | None = None
     for number, ways in enumerate(tried):
         try:
             own = replace(loops, mission=endless(tight), trajectories=tuple(ways))
-            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0)
+            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0, turns_s=turns_s)
         except NoPlanFound as failure:
             best = best or failure
             continue

@@ -15,7 +15,7 @@ from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
-from rota.planners.patrol.charging import plan_that_charges
+from rota.planners.patrol.charging import Floats, plan_that_charges
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the_way
@@ -61,10 +61,10 @@ def plan_patrol(
     if mission.lanes or not differs(mission):
         return search(mission, progress=progress)
 
-    def search_part(part: Mission, *, in_full: bool) -> Plan:
+    def search_part(part: Mission, *, in_full: bool, turns_s: Floats | None = None) -> Plan:
         """A plan for some of the ground; how far it has come says nothing of the whole."""
         asked = part if in_full else part.with_effort("quick")
-        return search(asked, progress=lambda share, doing: None, shortens=in_full)
+        return search(asked, progress=lambda share, doing: None, shortens=in_full, turns_s=turns_s)
 
     return plan_with_kinds(
         mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, search=search_part
@@ -81,14 +81,15 @@ def plan_alike(
     watch: Watch | None = None,
     executor: Executor | None = None,
     shortens: bool = True,
+    turns_s: Floats | None = None,
 ) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
     All robots are taken to be alike, the weakest of them in everything. Robots with starts reach their loops from
     there. The lower bound is that of the mission as it is asked. shortens: whether shorter loops are looked for once
-    robots are as few as are found. Raises NoPlanFound, with the best plan found for this mission, when there is none;
-    also when bodies touch on the way from the starts, and when the reserve of range hides ground that only the full
-    reach sees.
+    robots are as few as are found. turns_s: how long turns of robots that charge may be; None: anything. Raises
+    NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
+    the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     if mission.chargers:
         search = partial(
@@ -97,6 +98,7 @@ def plan_alike(
         try:
             charging = plan_that_charges(
                 mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch, search=search,
+                turns_s=turns_s,
             )  # fmt: skip
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure

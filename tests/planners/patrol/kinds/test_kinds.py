@@ -68,7 +68,7 @@ def test_fleets_are_tried_with_the_least_effort_before_the_cheapest_is_planned_i
     mission = with_kinds(CORRIDOR, *kinds).with_effort("normal")
     in_full_one_by_one, plans = [], []
 
-    def search(part: Mission, *, in_full: bool) -> Plan:
+    def search(part: Mission, *, in_full: bool, turns_s: np.ndarray | None = None) -> Plan:
         in_full_one_by_one.append(in_full)
         if in_full and fails_in_full:
             raise NoPlanFound("nothing else is found")
@@ -92,7 +92,7 @@ def test_a_kind_that_is_too_few_to_do_it_alone_is_not_tried_alone() -> None:
     mission = with_kinds(long, Kind(name="slow", cost=1, most=1, speed_m_s=5), Kind(name="fast", cost=2))
     tried = []
 
-    def search(part: Mission, *, in_full: bool) -> Plan:
+    def search(part: Mission, *, in_full: bool, turns_s: np.ndarray | None = None) -> Plan:
         tried.append((part.fleet.speed_m_s, part.zones[0].shape.area))
         return make_plan(part)
 
@@ -191,14 +191,23 @@ def test_kinds_that_charge_share_the_places_at_chargers() -> None:
         make_plan(with_kinds(CORRIDOR, *kinds, zones=(zone,), chargers=one))
 
 
-def test_a_kind_alone_is_planned_where_a_charger_has_one_place() -> None:
-    """One that charges after each round has room at it; a fleet of two kinds, which would cost less, has not."""
+def test_kinds_use_one_place_in_turn_where_that_costs_less() -> None:
     battery = BatteryLimits(endurance_s=500, recharge_s=50)
     fast = Kind(name="fast", cost=2, battery=battery)
     slow = [Kind(name=f"slow{v}", cost=0.5, speed_m_s=v, most=1, battery=battery) for v in (5, 6)]
     plan = make_plan(with_kinds(CORRIDOR, fast, *slow, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
     assert check_plan(plan).verdict == "met"
-    assert [way.robot for way in plan] == ["fast-1"]
+    assert [way.robot for way in plan] == ["slow5-1", "slow6-1"]
+
+
+def test_a_kind_alone_is_planned_where_several_need_more_places_than_there_are() -> None:
+    """One robot charges as long as it is away: another kind has no time at the charger."""
+    battery = BatteryLimits(endurance_s=500, recharge_s=450)
+    fast = Kind(name="fast", cost=2, battery=battery)
+    slow = [Kind(name=f"slow{v}", cost=0.5, speed_m_s=v, most=1, battery=battery) for v in (5, 6)]
+    plan = make_plan(with_kinds(CORRIDOR, fast, *slow, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
+    assert check_plan(plan).verdict == "met"
+    assert {way.robot.split("-")[0] for way in plan} == {"fast"}
 
 
 def test_the_ground_is_divided_by_what_groups_can_see() -> None:

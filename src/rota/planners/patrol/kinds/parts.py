@@ -17,6 +17,7 @@ from rota.model.mission import AREA, Charger, Mission, Zone
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.kinds.division import Part
 from rota.planners.patrol.kinds.groups import Group
+from rota.planners.patrol.kinds.turns_at_chargers import later_with_room, turns_beside
 from rota.planners.patrol.verdict import Judge
 
 Floats = NDArray[np.float64]
@@ -25,10 +26,11 @@ Floats = NDArray[np.float64]
 class Search(Protocol):
     """How a mission is planned whose robots are taken to be alike."""
 
-    def __call__(self, part: Mission, *, in_full: bool) -> Plan:
+    def __call__(self, part: Mission, *, in_full: bool, turns_s: Floats | None = None) -> Plan:
         """A plan for some of the ground; NoPlanFound where there is none.
 
         in_full: by all that the mission's effort allows; otherwise with the least effort, and as long as loops come.
+        turns_s: how long turns of robots that charge may be; None: anything.
         """
 
 
@@ -66,13 +68,16 @@ class Parts:
         """Whether groups keep to ground of their own, since bodies of unlike robots would meet otherwise."""
         return any(group.robot.body_radius_m > 0 for group in self._groups)
 
-    def outcome(self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool) -> Outcome:
+    def outcome(
+        self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool, turns_s: Floats | None = None
+    ) -> Outcome:
         """What comes of planning the part of group number k, see ``Search``."""
         shapes = [*(region.shape for region in part.regions), part.cell if self.is_confined else None]
         names = tuple(region.name for region in part.regions)
-        key = (k, names, tuple(map(shapely.to_wkb, shapes)), chargers, in_full)
+        told = None if turns_s is None else turns_s.tobytes()
+        key = (k, names, tuple(map(shapely.to_wkb, shapes)), chargers, in_full, told)
         if key not in self._known:
-            self._known[key] = self._plan_anew(k, part, chargers, in_full=in_full)
+            self._known[key] = self._plan_anew(k, part, chargers, in_full=in_full, turns_s=turns_s)
         return self._known[key]
 
     def idle(self, k: int) -> Outcome:
@@ -91,14 +96,16 @@ class Parts:
         ]
         return Outcome(plan=Plan(mission=self._mission, trajectories=tuple(ways)), ratio=1.0)
 
-    def _plan_anew(self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool) -> Outcome:
+    def _plan_anew(
+        self, k: int, part: Part, chargers: tuple[Charger, ...], *, in_full: bool, turns_s: Floats | None
+    ) -> Outcome:
         """The same, anew."""
         try:
             mission = self._part_of_mission(self._groups[k], part, chargers)
         except MissionError as error:  # a start or a charger outside its cell
             return Outcome(plan=None, ratio=math.inf, why=str(error))
         try:
-            return Outcome(plan=self._search(mission, in_full=in_full), ratio=1.0)
+            return Outcome(plan=self._search(mission, in_full=in_full, turns_s=turns_s), ratio=1.0)
         except NoPlanFound as failure:
             best = failure.best if isinstance(failure.best, Plan) else None
             demands = () if best is None else self._judge(best).demands
@@ -133,24 +140,55 @@ class Parts:
             ways += own
         return Plan(mission=self._mission, trajectories=tuple(ways), seed=seed)
 
-    def chargers_of(self, parts: Sequence[Part], wanted: Floats) -> list[tuple[Charger, ...]]:
-        """Each group's places at chargers: those nearest to its part, as many as it wants of all there are.
+    def outcomes_in_turn(
+        self, order: Sequence[int], parts: Sequence[Part], chargers: Sequence[tuple[Charger, ...]], *, in_full: bool
+    ) -> dict[int, Outcome]:
+        """What comes of groups that share chargers in time, each planned beside those before it in this order."""
+        found: dict[int, Outcome] = {}
+        for k in order:
+            before = [outcome.plan for outcome in found.values() if outcome.plan is not None]
+            turns_s = turns_beside(before[0]) if before else None
+            outcome = self.outcome(k, parts[k], chargers[k], in_full=in_full, turns_s=turns_s)
+            if before and outcome.is_met and outcome.plan is not None:
+                others = [way for plan in before for way in plan]
+                if (later := later_with_room(outcome.plan, others, chargers[k])) is None:
+                    outcome = replace(outcome, ratio=math.nextafter(1, 2), why=self._too_few(len(order)))
+                else:
+                    outcome = replace(outcome, plan=later)
+            elif before and self.outcome(k, parts[k], chargers[k], in_full=in_full).is_met:
+                outcome = replace(outcome, why=self._too_few(len(order)))
+            found[k] = outcome
+        return found
 
-        wanted: robots of each group, or any measure of them. NoPlanFound where there are fewer places than groups that
-        charge.
-        """
-        charging = [
+    def _too_few(self, kinds: int) -> str:
+        """That kinds need more places at chargers."""
+        places = sum(charger.places for charger in self._mission.chargers)
+        return (
+            f"chargers: they have {places} place{'s'[: places > 1]} for {kinds} kinds of robots that charge, and these"
+            " were not found to do with that one after the other: give more places"
+        )
+
+    def are_shared(self, parts: Sequence[Part]) -> bool:
+        """Whether groups that charge are more than there are places."""
+        return sum(charger.places for charger in self._mission.chargers) < len(self.charging(parts))
+
+    def charging(self, parts: Sequence[Part]) -> list[int]:
+        """The numbers of the groups that charge and have something to do."""
+        return [
             k for k, group in enumerate(self._groups)
             if group.robot.battery.endurance_s is not None and parts[k].regions
         ]  # fmt: skip
-        if len(charging) < 2:
-            return [self._mission.chargers] * len(self._groups)
+
+    def chargers_of(self, parts: Sequence[Part], wanted: Floats) -> list[tuple[Charger, ...]]:
+        """Each group's places at chargers: those nearest to its part, as many as it wants of all there are.
+
+        wanted: robots of each group, or any measure of them. All have all where there are fewer places than groups that
+        charge: then they share them in time.
+        """
+        charging = self.charging(parts)
         free = {charger: charger.places for charger in self._mission.chargers}
-        if (places := sum(free.values())) < len(charging):
-            raise NoPlanFound(
-                f"chargers: they have {places} place{'s'[: places > 1]} for {len(charging)} kinds of robots that"
-                " charge, and no two kinds share one: give more places"
-            )
+        if len(charging) < 2 or sum(free.values()) < len(charging):
+            return [self._mission.chargers] * len(self._groups)
         dealt: list[dict[Charger, int]] = [{} for _ in self._groups]
         middles = [shapely.union_all([region.shape for region in part.regions]).centroid for part in parts]
         while any(free.values()):

@@ -68,10 +68,18 @@ class Team:
     def plan_parts(self, division: Division, *, in_full: bool) -> list[Outcome]:
         """What comes of each group's part, see ``Search``. Listed robots with nothing to do stay where they are."""
         self.asked = np.array([part.asked_m2_s for part in division.parts])
+        charging = self._parts.charging(division.parts)
+        orders = [charging, charging[::-1]] if self._parts.are_shared(division.parts) else [[]]
+        for order in orders:
+            in_turn = self._parts.outcomes_in_turn(order, division.parts, division.chargers, in_full=in_full)
+            if all(outcome.is_met for outcome in in_turn.values()):
+                break
         return [
-            self._parts.outcome(k, part, division.chargers[k], in_full=in_full) if part.regions else self._parts.idle(k)
+            in_turn[k] if k in in_turn
+            else self._parts.outcome(k, part, division.chargers[k], in_full=in_full) if part.regions
+            else self._parts.idle(k)
             for k, part in enumerate(division.parts)
-        ]
+        ]  # fmt: skip
 
     def join(self, outcomes: Sequence[Outcome]) -> tuple[Plan, str]:
         """The plan of all parts, and what is wrong with it as a whole; nothing where the judge passes it."""

@@ -20,7 +20,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
 from rota.planners.patrol.relief.roomy import cycles_with_room
-from rota.planners.patrol.relief.shifts import Cycle, best_cycle
+from rota.planners.patrol.relief.shifts import Cycle, Floats, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
     WINGS,
@@ -78,11 +78,14 @@ def require_reach(mission: Mission) -> None:
         )
 
 
-def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False) -> Plan:
+def relieve(
+    loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False, turns_s: Floats | None = None
+) -> Plan:
     """A plan for the mission whose robots take turns at the loops of a plan for ``endless(mission)``.
 
-    briefly: the first try alone. Raises NoPlanFound where a loop is too far from all chargers for the battery, where
-    chargers have too little room, and where the judge passes no plan.
+    briefly: the first try alone. turns_s: how long turns at loops may be; None: anything. Raises NoPlanFound where a
+    loop is too far from all chargers for the battery, where chargers have too little room, and where the judge passes
+    no plan.
     """
     verdict = judge(loops)
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
@@ -95,7 +98,7 @@ def relieve(loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: 
 
     def plan_of(served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool) -> Plan:
         """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
-        team = _Team(mission, served, ways)
+        team = _Team(mission, served, ways, turns_s)
         rotations = team.rotations(seed + number, varied=number > 0, below=below, heeds_places=heeds_places)
         robots = team.trajectories(rotations)
         return replace(loops, mission=mission, trajectories=tuple(robots))
@@ -140,8 +143,8 @@ def _for_wings(slot: Slot) -> Slot:
 class _Team:
     """The slots of a mission, and from where chargers are near."""
 
-    def __init__(self, mission: Mission, slots: Sequence[Slot], ways: Ways) -> None:
-        self._mission, self._slots = mission, slots
+    def __init__(self, mission: Mission, slots: Sequence[Slot], ways: Ways, turns_s: Floats | None) -> None:
+        self._mission, self._slots, self._turns_s = mission, slots, turns_s
         self._robot = mission.fleet.equal_robot("robot-1")
         self._ways = ways
         self._clearance_s = clearance_of(mission)
@@ -181,7 +184,7 @@ class _Team:
         battery = self._robot.battery
 
         def cycle(slots: Sequence[int]) -> Cycle | None:
-            return best_cycle(self._slots, own, slots, battery, self._clearance_s)
+            return best_cycle(self._slots, own, slots, battery, self._clearance_s, turns_s=self._turns_s)
 
         alone = [cycle([k]) for k in members]
         for k, each in zip(members, alone, strict=True):
@@ -218,7 +221,9 @@ class _Team:
     def rotations(self, seed: int, *, varied: bool, below: float, heeds_places: bool) -> list[Rotation]:
         """The rotations of all slots, with less than ``below`` robots. Raises NoPlanFound where there are none."""
         if heeds_places:
-            tried = cycles_with_room(self._slots, self._handovers, self._robot.battery, self._clearance_s)
+            tried = cycles_with_room(
+                self._slots, self._handovers, self._robot.battery, self._clearance_s, self._turns_s
+            )
             found = (self._rotations_of(cycles, seed, varied, 1) for cycles in tried if _robots(cycles) < below)
         else:
             cycles = self.cycles()

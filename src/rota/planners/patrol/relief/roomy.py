@@ -7,12 +7,16 @@ import math
 from collections.abc import Iterator, Sequence
 
 from rota.model.battery_limits import BatteryLimits
-from rota.planners.patrol.relief.shifts import Cycle, best_cycle
+from rota.planners.patrol.relief.shifts import Cycle, Floats, best_cycle
 from rota.planners.patrol.relief.slots import Handovers, Slot
 
 
 def cycles_with_room(
-    slots: Sequence[Slot], handovers: Sequence[Sequence[Handovers]], battery: BatteryLimits, clearance_s: float
+    slots: Sequence[Slot],
+    handovers: Sequence[Sequence[Handovers]],
+    battery: BatteryLimits,
+    clearance_s: float,
+    turns_s: Floats | None,
 ) -> list[tuple[Cycle, ...]]:
     """A cycle for each charger in use that has places for its robots on average: those of few robots first.
 
@@ -28,7 +32,9 @@ def cycles_with_room(
     for chargers in sorted(dealt):
         members = [[k for k, own in enumerate(chargers) if own == charger] for charger in sorted(set(chargers))]
         each = [
-            list(_cycles_at([every[chargers[own[0]]] for every in handovers], slots, own, battery, clearance_s))
+            list(
+                _cycles_at([every[chargers[own[0]]] for every in handovers], slots, own, battery, clearance_s, turns_s)
+            )
             for own in members
         ]
         found += itertools.product(*each)
@@ -37,14 +43,14 @@ def cycles_with_room(
 
 def _cycles_at(
     handovers: Sequence[Handovers], slots: Sequence[Slot], members: Sequence[int], battery: BatteryLimits,
-    clearance_s: float,
+    clearance_s: float, turns_s: Floats | None,
 ) -> Iterator[Cycle]:  # fmt: skip
     """Cycles of some slots, by their numbers, at the charger of these handovers, which has places for their robots."""
     # in a pause of more than two ways both robots that change are at the charger at once
     for most_pause_ways in (math.inf, 2.0):
         cycle = best_cycle(
             slots, handovers, members, battery, clearance_s, places=handovers[0].charger.places,
-            most_pause_ways=most_pause_ways,
+            most_pause_ways=most_pause_ways, turns_s=turns_s,
         )  # fmt: skip
         if cycle is not None:
             yield cycle

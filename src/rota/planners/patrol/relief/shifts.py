@@ -107,15 +107,17 @@ def stays_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats
 def best_cycle(
     slots: Sequence[Slot], handovers: Sequence[Handovers], members: Sequence[int], battery: BatteryLimits,
     clearance_s: float, *, places: float = math.inf, most_pause_ways: float = math.inf,
+    turns_s: Floats | None = None,
 ) -> Cycle | None:  # fmt: skip
     """The cycle of some slots, by their numbers, with the fewest robots, or busy for the least time; None: none does.
 
     handovers: of each slot with the charger that serves them all. clearance_s: by how long robots that change pass
     one place after each other. places: no more robots than so many are at the charger on average. most_pause_ways: how
-    many ways to the charger a pause between two robots lasts at most.
+    many ways to the charger a pause between two robots lasts at most. turns_s: how long a turn may be; None: anything.
     """
     charger = handovers[members[0]].charger
-    turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery)
+    if turns_s is None:
+        turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery)
     tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s, most_pause_ways) for k in members]
     busy_s = sum(np.min([way.busy_s for way in ways], axis=0) for ways in tried)
     if not (possible := np.isfinite(busy_s)).any():
