@@ -17,6 +17,7 @@ from rota.planners.patrol.planner import plan_patrol
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planning.make_plan import search_plan
 from rota.planning.plan_summary import approach_sentence
+from rota.planning.planner import Request
 
 
 def court(turn: float | None = None, **settings: Any) -> Mission:
@@ -105,6 +106,8 @@ def test_ground_that_only_the_full_reach_sees_is_not_lost_in_silence() -> None:
         return replace(report, verdict="violated") if plan.mission == mission else report
 
     with pytest.raises(rota.NoPlanFound, match=r"patrol.range_margin_m: 0.4 hides ground .*; give less") as caught:
-        plan_patrol(mission, seed=0, judge=judge, progress=lambda share, doing: None, should_stop=lambda: False)
+        plan_patrol(
+            Request(mission=mission, seed=0, judge=judge, progress=lambda share, doing: None, should_stop=lambda: False)
+        )
     assert isinstance(caught.value.best, Plan)
     assert caught.value.best.mission == mission

@@ -27,11 +27,7 @@ class PatrolPlanner(Planner):
         """A plan that the judge passes, by the method of the mission's settings; see ``planner.plan_patrol``."""
         from rota.planners.patrol.planner import plan_patrol
 
-        plan = plan_patrol(
-            request.mission, seed=request.seed, judge=request.judge, progress=request.progress,
-            should_stop=request.should_stop, watch=request.watch, executor=request.executor,
-        )  # fmt: skip
-        return Answer(plan=plan)
+        return Answer(plan=plan_patrol(request))
 
     def takeovers(self, asked: Handover) -> Iterator[Plan]:
         """Robots keep their rounds where they can; others come into rounds that nobody drives now, or join some."""

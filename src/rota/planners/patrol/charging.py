@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,35 +26,26 @@ from rota.planners.patrol.relief.posts import posts_of
 from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
 from rota.planners.patrol.relief.slots import only_visits
 from rota.planners.patrol.verdict import Judge
-from rota.planning.progress import Watch
+from rota.planning.planner import Request
 
 Floats = NDArray[np.float64]
 
 
-class Search(Protocol):
-    """How a mission without batteries is planned."""
-
-    def __call__(self, mission: Mission, *, progress: Callable[[float, str], None], watch: Watch | None) -> Plan:
-        """The plan; NoPlanFound where there is none."""
-
-
-def plan_that_charges(
-    mission: Mission, *, seed: int, judge: Judge, progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool], watch: Watch | None, search: Search,
-    turns_s: Floats | None = None,
-) -> Plan:  # fmt: skip
+def plan_that_charges(request: Request, search: Callable[[Request], Plan], turns_s: Floats | None = None) -> Plan:
     """The plan with the fewest robots that charge: ``relieve``, and ``plan_with_circuits`` where that may take fewer.
 
-    It is one for ``with_reserve(mission)``, and passes the judge as that; its bound is that of what is asked. turns_s:
-    how long turns at loops may be, and no circuits; None: anything. Raises NoPlanFound where no plan exists since
-    batteries are too small or places at chargers too few, and where neither finds one.
+    It is one for ``with_reserve(mission)``, and passes the judge as that; its bound is that of what is asked. search:
+    plans for a mission without batteries. turns_s: how long turns at loops may be, and no circuits; None: anything.
+    Raises NoPlanFound where no plan exists since batteries are too small or places at chargers too few, and where
+    neither finds one.
     """
+    mission, seed, judge, progress = request.mission, request.seed, request.judge, request.progress
     require_reach(mission)
     tight = with_reserve(mission)
     problem = set_up_problem(without_batteries(mission))
     bound = charging_bound(problem, mission)
     # loops for circuits, which are as short as can be, take longer
-    loops = search(endless(mission), progress=share_of_progress(progress, 0.0, 0.4), watch=watch)
+    loops = search(replace(request, mission=endless(mission), progress=share_of_progress(progress, 0.0, 0.4)))
     always = ProvedBound(robots=loops.lower_bound_robots or 0, reason=loops.lower_bound_reason or "")
     if clearance_of(mission) > 0:  # the search proved it for shorter periods than are asked
         always = prove_bound(problem)
@@ -65,12 +55,13 @@ def plan_that_charges(
     tried = [loops.trajectories, posts] if posts else [loops.trajectories]
     relieved = _take_turns(tried, loops, tight, seed, judge, turns_s)
     most = _most_on_circuits(mission, relieved, best.robots) if turns_s is None else 0
-    if most > 0 and not should_stop():
+    if most > 0 and not request.should_stop():
         told = share_of_progress(progress, 0.4, 1.0)
 
         def search_part(part: Mission, /, *, begin: float, end: float) -> Plan:
             """A loop for one robot; nobody watches it, as it is no plan for the mission."""
-            return search(part, progress=share_of_progress(told, begin, end), watch=None)
+            own = share_of_progress(told, begin, end)
+            return search(replace(request, mission=part, progress=own, watch=None))
 
         with suppress(NoPlanFound):
             found = plan_with_circuits(tight, most=most, seed=seed, judge=judge, search=search_part)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -16,7 +15,7 @@ from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.charging import Floats, plan_that_charges
-from rota.planners.patrol.context import Context, begin_search
+from rota.planners.patrol.context import Context, begin_search, silent
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the_way
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -40,49 +39,24 @@ from rota.planners.patrol.tight_corners import require_corners_in_reach
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
-from rota.planning.progress import Watch
+from rota.planning.planner import Request
 from rota.planning.stopping import put_off
 
 
-def plan_patrol(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: Watch | None = None,
-    executor: Executor | None = None,
-) -> Plan:
+def plan_patrol(request: Request) -> Plan:
     """A plan for the mission, whose robots may be unlike each other; see ``plan_alike`` for those that are not."""
-    search = partial(
-        plan_alike, seed=seed, judge=judge, should_stop=should_stop, watch=watch, executor=executor,
-    )  # fmt: skip
-    if mission.lanes or not differs(mission):
-        return search(mission, progress=progress)
+    if request.mission.lanes or not differs(request.mission):
+        return plan_alike(request)
 
     def search_part(part: Mission, *, in_full: bool, turns_s: Floats | None = None) -> Plan:
         """A plan for some of the ground; how far it has come says nothing of the whole."""
         asked = part if in_full else part.with_effort("quick")
-        return search(asked, progress=lambda share, doing: None, shortens=in_full, turns_s=turns_s)
+        return plan_alike(replace(request, mission=asked, progress=silent), shortens=in_full, turns_s=turns_s)
 
-    return plan_with_kinds(
-        mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, search=search_part
-    )
+    return plan_with_kinds(request, search_part)
 
 
-def plan_alike(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: Watch | None = None,
-    executor: Executor | None = None,
-    shortens: bool = True,
-    turns_s: Floats | None = None,
-) -> Plan:
+def plan_alike(request: Request, *, shortens: bool = True, turns_s: Floats | None = None) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
     All robots are taken to be alike, the weakest of them in everything. Robots with starts reach their loops from
@@ -91,36 +65,28 @@ def plan_alike(
     NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
+    mission, judge = request.mission, request.judge
     if mission.chargers:
-        search = partial(
-            plan_alike, seed=seed, judge=judge, should_stop=should_stop, executor=executor, shortens=shortens,
-        )  # fmt: skip
         try:
-            charging = plan_that_charges(
-                mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch, search=search,
-                turns_s=turns_s,
-            )  # fmt: skip
+            charging = plan_that_charges(request, partial(plan_alike, shortens=shortens), turns_s)
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure
         return with_full_reach(charging, mission, judge)
     if mission.lanes:
-        return plan_on_lanes(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
+        return plan_on_lanes(request)
     tight = with_reserve(mission)
     require_ways_in(mission)
     require_room(mission)
     require_corners_in_reach(mission)
     searched = without_starts(tight)
-    leads = judge if searched is tight else LeadingJudge(searched, tight, judge)
+    leads: Judge = judge if searched is tight else LeadingJudge(searched, tight, judge)
     try:
-        plans = plan_tours(
-            searched, asked=mission, seed=seed, judge=leads, progress=progress,
-            should_stop=should_stop, watch=watch, executor=executor, shortens=shortens,
-        )  # fmt: skip
+        plans = plan_tours(searched, asked=request, judge=leads, shortens=shortens)
     except NoPlanFound as failure:
         raise NoPlanFound(str(failure), best=lead_from_starts_asked(failure.best, mission)) from failure
     plan = plans[0]
     if mission.has_starts:
-        progress(0.95, "leading the robots from their starts")
+        request.progress(0.95, "leading the robots from their starts")
         try:
             plan = first_led(plans, tight, judge)
         except NoPlanFound as failure:
@@ -170,27 +136,15 @@ def itself(judge: Judge) -> Judge:
     return judge
 
 
-def plan_tours(
-    mission: Mission,
-    *,
-    asked: Mission,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: Watch | None = None,
-    executor: Executor | None = None,
-    shortens: bool = True,
-) -> list[Plan]:
+def plan_tours(mission: Mission, *, asked: Request, judge: Judge, shortens: bool = True) -> list[Plan]:
     """Plans of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
     The last is what the method finds; before it comes the same with better loops, if there are any.
-    asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
-    robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
-    on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
-    from several threads. executor: does what can be done side by side. shortens: see ``plan_alike``. Raises
+    asked: has the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
+    robots go where their starts are. judge: the verdict on a plan for ``mission``. shortens: see ``plan_alike``. Raises
     NoPlanFound, with the best plan found, when the demand is not met.
     """
+    progress, should_stop = asked.progress, asked.should_stop
     progress(0.0, "looking at the mission")
     least = mission_to_begin_with(mission)
     laid_out_by = put_off(should_stop, 6.0)  # most ground is laid out sooner, and then has a plan of lanes
@@ -201,8 +155,9 @@ def plan_tours(
 
     def search(problem: Problem) -> Context:
         return begin_search(
-            problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            executor=executor, prove=prove_nothing if should_stop() else first_bound_proof(problem),
+            problem, asked=asked.mission, seed=asked.seed, judge=judge, progress=progress, should_stop=should_stop,
+            watch=asked.watch, executor=asked.executor,
+            prove=prove_nothing if should_stop() else first_bound_proof(problem),
         )  # fmt: skip
 
     context = search(problem)
@@ -211,7 +166,7 @@ def plan_tours(
         context = replace(context, progress=share_of_progress(progress, 0, 0.5))  # shorter loops take about as long
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
-        return [plan_fixed_team(context, asked, method)]
+        return [plan_fixed_team(context, asked.mission, method)]
     best = method(context)
     if problem.mission is not mission:
         best = for_mission(best, mission)

@@ -25,6 +25,7 @@ from rota.planners.patrol.kinds.division import by_cuts, by_zones, load_of
 from rota.planners.patrol.kinds.groups import differs, groups_of
 from rota.planners.patrol.kinds.parts import Parts
 from rota.planners.patrol.kinds.team import Team
+from rota.planning.planner import Request
 
 # as wide as the sensor sees: a robot goes to and fro, some 37 s at 10 m/s and 74 s at 5 m/s
 CORRIDOR = Mission(
@@ -75,9 +76,10 @@ def test_fleets_are_tried_with_the_least_effort_before_the_cheapest_is_planned_i
         plans.append(make_plan(part.with_effort("quick")))
         return plans[-1]
 
-    team = Team(
-        mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False, search=search
+    request = Request(
+        mission=mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False
     )
+    team = Team(request, search)
     plan = plan_cheapest(team)
     assert [way.robot for way in plan] == ["slow-1", "slow-2"]
     assert in_full_one_by_one[0] is False
@@ -96,9 +98,10 @@ def test_a_kind_that_is_too_few_to_do_it_alone_is_not_tried_alone() -> None:
         tried.append((part.fleet.speed_m_s, part.zones[0].shape.area))
         return make_plan(part)
 
-    team = Team(
-        mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False, search=search
+    request = Request(
+        mission=mission, seed=0, judge=check_plan, progress=lambda share, doing: None, should_stop=lambda: False
     )
+    team = Team(request, search)
     plan_cheapest(team)
     whole_m2 = mission.area.area
     assert (10, whole_m2) in [(speed, pytest.approx(area_m2)) for speed, area_m2 in tried]

@@ -8,29 +8,18 @@ and the next division goes by that.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.kinds.cheapest import plan_cheapest
 from rota.planners.patrol.kinds.listed import plan_listed
 from rota.planners.patrol.kinds.parts import Search
 from rota.planners.patrol.kinds.team import Team
-from rota.planners.patrol.verdict import Judge
+from rota.planning.planner import Request
 
 
-def plan_with_kinds(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    search: Search,
-) -> Plan:
+def plan_with_kinds(request: Request, search: Search) -> Plan:
     """A plan for a fleet whose robots are not alike. search: plans for a mission whose robots are taken to be.
 
     Raises NoPlanFound where no division of the ground that was tried meets the demand, with the best plan there is.
     """
-    team = Team(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, search=search)
-    return plan_cheapest(team) if mission.fleet.kinds else plan_listed(team, search)
+    team = Team(request, search)
+    return plan_cheapest(team) if request.mission.fleet.kinds else plan_listed(team, search)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import demanded_regions
-from rota.model.mission import Charger, Mission
+from rota.model.mission import Charger
 from rota.model.plan import Plan
 from rota.planners.patrol.kinds.division import Part, divisions
 from rota.planners.patrol.kinds.groups import groups_of
 from rota.planners.patrol.kinds.parts import Outcome, Parts, Search
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
-from rota.planners.patrol.verdict import Judge, worst_reached
+from rota.planners.patrol.verdict import worst_reached
+from rota.planning.planner import Request
 
 Floats = NDArray[np.float64]
 
@@ -37,25 +38,16 @@ class Team:
     asked: (g,) what was asked of each in the last division, m2/s. tries: divisions that may be planned.
     """
 
-    def __init__(
-        self,
-        mission: Mission,
-        *,
-        seed: int,
-        judge: Judge,
-        progress: Callable[[float, str], None],
-        should_stop: Callable[[], bool],
-        search: Search,
-    ) -> None:
-        self.mission, self.should_stop = mission, should_stop
+    def __init__(self, request: Request, search: Search) -> None:
+        self.mission = mission = request.mission
+        self.should_stop, self._request = request.should_stop, request
         self.groups, self.regions = groups_of(mission.fleet), demanded_regions(mission)
         # of perfect lanes, before any part was planned
         self.worth = np.array([0.8 * group.swath_m2_s for group in self.groups])
         self.asked = np.zeros(len(self.groups))
         self.effort = PatrolSettings.of(mission).effort
         self.tries = TRIES[self.effort]
-        self._parts = Parts(mission, self.groups, judge, search)
-        self._seed, self._judge, self._progress = seed, judge, progress
+        self._parts = Parts(mission, self.groups, request.judge, search)
 
     def divide(self, counts: Floats, number: int) -> Division:
         """The division of this number for so many robots of each group; the last one where there are fewer."""
@@ -83,10 +75,10 @@ class Team:
 
     def join(self, outcomes: Sequence[Outcome]) -> tuple[Plan, str]:
         """The plan of all parts, and what is wrong with it as a whole; nothing where the judge passes it."""
-        plan = self._parts.together(outcomes, self._seed)
-        verdict = self._judge(plan)
+        plan = self._parts.together(outcomes, self._request.seed)
+        verdict = self._request.judge(plan)
         return plan, "" if verdict.verdict == "met" else worst_reached(verdict)
 
     def tell(self, share: float, doing: str) -> None:
         """Tell how far the search has come."""
-        self._progress(share, doing)
+        self._request.progress(share, doing)

@@ -27,7 +27,8 @@ from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 from rota.planners.patrol.tours.timetable import as_trajectories, evenly_spaced
 from rota.planners.patrol.traffic.bodies.loops import Loop
 from rota.planners.patrol.traffic.bodies.timing import timed_loops
-from rota.planners.patrol.verdict import Judge, Verdict, unmet_reason
+from rota.planners.patrol.verdict import Verdict, unmet_reason
+from rota.planning.planner import Request
 
 Floats = NDArray[np.float64]
 
@@ -76,14 +77,7 @@ class GraphSearch:
         )  # fmt: skip
 
 
-def plan_on_lanes(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-) -> Plan:
+def plan_on_lanes(request: Request) -> Plan:
     """A plan whose robots keep to the mission's lanes and come to all its zones in time, or that of a fixed team.
 
     Robots that a fixed team has to spare join those that are the latest for their period. Bodies are kept apart by
@@ -91,21 +85,22 @@ def plan_on_lanes(
     robots. Raises NoPlanFound, with the best plan, where a fixed team is too small, and where bodies meet all the same;
     without one where no lane ends in a zone.
     """
-    progress(0.0, "looking at the lanes")
+    mission, should_stop = request.mission, request.should_stop
+    request.progress(0.0, "looking at the lanes")
     tight = with_reserve(mission)
     robot = common_robot(tight.fleet)
     network = network_of(tight, robot.ground_speed_m_s * SLOWER)
     search = GraphSearch(
         mission=mission, network=network, calls=calls_of(tight, network), bound=prove_on_lanes(mission),
-        body_m=robot.body_radius_m, seed=seed, should_stop=should_stop,
+        body_m=robot.body_radius_m, seed=request.seed, should_stop=should_stop,
     )  # fmt: skip
     failed: list[tuple[Plan, Verdict]] = []
     # of the periods, so that robots can wait for each other
     stretches = (1.0, 0.9, 0.8, 0.65, 0.5) if robot.body_radius_m > 0 else (1.0,)
     for k, stretch in enumerate(stretches):
-        progress((k + 0.1) / len(stretches), "sharing the places among robots")
+        request.progress((k + 0.1) / len(stretches), "sharing the places among robots")
         plan = search.plan(search.shares_with_room(stretch))
-        if (verdict := judge(plan)).verdict == "met":
+        if (verdict := request.judge(plan)).verdict == "met":
             return plan
         failed.append((plan, verdict))
         if should_stop():

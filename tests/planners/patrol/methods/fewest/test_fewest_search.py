@@ -30,6 +30,7 @@ from rota.planners.patrol.planner import plan_tours
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.verdict import Judge, Verdict
+from rota.planning.planner import Request
 
 
 def test_less_effort_keeps_the_bound_and_lays_a_coarser_lattice() -> None:
@@ -117,10 +118,11 @@ def test_over_ragged_ground_the_bound_is_proved_once_there_are_first_tours(monke
         return prove_bound(of, **values)
 
     monkeypatch.setattr(context_module, "prove_bound", prove)
-    plans = plan_tours(
-        YARD, asked=YARD, seed=0, judge=check_plan, progress=lambda _share, what: told.append(what),
+    asked = Request(
+        mission=YARD, seed=0, judge=check_plan, progress=lambda _share, what: told.append(what),
         should_stop=lambda: False,
     )  # fmt: skip
+    plans = plan_tours(YARD, asked=asked, judge=check_plan)
     assert proofs == ["finishing with the robots that surely suffice"]
     best = prove_bound(problem)
     assert [(plan.lower_bound_robots, plan.lower_bound_reason) for plan in plans] == [(best.robots, best.reason)]
@@ -143,9 +145,10 @@ def set_up_for(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def planned(mission: Mission, judge: Judge) -> Plan:
     """The plan for a mission without starts."""
-    [plan] = plan_tours(
-        mission, asked=mission, seed=0, judge=judge, progress=lambda _share, _what: None, should_stop=lambda: False
+    asked = Request(
+        mission=mission, seed=0, judge=check_plan, progress=lambda _share, _what: None, should_stop=lambda: False
     )
+    [plan] = plan_tours(mission, asked=asked, judge=judge)
     return plan
 
 
@@ -175,11 +178,11 @@ def test_more_effort_over_scanned_ground_goes_on_where_quick_finds_no_plan(monke
 def test_scanned_ground_for_many_robots_is_set_up_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     efforts = set_up_for(monkeypatch)
     busy = replace(YARD.with_effort("normal"), period_s=5.0)
+    asked = Request(
+        mission=busy, seed=0, judge=check_plan, progress=lambda _share, _what: None, should_stop=lambda: True
+    )
     with pytest.raises(NoPlanFound):
-        plan_tours(
-            busy, asked=busy, seed=0, judge=never_content, progress=lambda _share, _what: None,
-            should_stop=lambda: True,
-        )  # fmt: skip
+        plan_tours(busy, asked=asked, judge=never_content)
     assert efforts[:2] == ["quick", "normal"]
 
 
