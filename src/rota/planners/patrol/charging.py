@@ -7,10 +7,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.best_bound import prove_bound
@@ -27,8 +25,6 @@ from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, 
 from rota.planners.patrol.relief.slots import only_visits
 from rota.planners.patrol.verdict import Judge
 from rota.planning.planner import Request
-
-Floats = NDArray[np.float64]
 
 
 def plan_that_charges(request: Request, search: Callable[[Request], Plan], turns_s: Floats | None = None) -> Plan:

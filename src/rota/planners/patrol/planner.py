@@ -10,11 +10,12 @@ from functools import partial
 import shapely
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
-from rota.planners.patrol.charging import Floats, plan_that_charges
+from rota.planners.patrol.charging import plan_that_charges
 from rota.planners.patrol.context import Context, begin_search, silent
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the_way

@@ -6,9 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import AREA
 from rota.model.plan import Plan
 from rota.model.violation_kinds import ViolationKind
@@ -96,22 +94,22 @@ class Verdict(Protocol):
         ...
 
     @property
-    def unmet_points_m(self) -> NDArray[np.float64]:
+    def unmet_points_m(self) -> Floats:
         """Places (n, 2) where the demand is not shown to be met."""
         ...
 
     @property
-    def unmet_demand(self) -> NDArray[np.int64]:
+    def unmet_demand(self) -> Ints:
         """For each of these places the index of its demand."""
         ...
 
     @property
-    def shown_unmet_m(self) -> NDArray[np.float64]:
+    def shown_unmet_m(self) -> Floats:
         """Places (m, 2) where it is shown not to be met."""
         ...
 
     @property
-    def shown_unmet_demand(self) -> NDArray[np.int64]:
+    def shown_unmet_demand(self) -> Ints:
         """For each of these places the index of its demand."""
         ...
 

@@ -6,8 +6,8 @@ import math
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.annealing.progress import progress_teller
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
@@ -15,8 +15,6 @@ from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.settings import Stage
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
 
 
 def anneal_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int, coarse: bool) -> list[Annealed]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.annealing.count_kernels import words_for
@@ -27,9 +28,6 @@ from rota.planners.patrol.tours.tour import (
     tour_length_m,
     whole_budget_m,
 )
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from rota.model.arrays import Floats, Ints
 
 
 # numba up to 0.65 takes no members of enumerations as places in arrays; numbers in a tuple it does

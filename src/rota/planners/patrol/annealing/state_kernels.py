@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from rota.compiled.kernel import allocation_free, noinline
+from rota.model.arrays import Ints
 from rota.planners.patrol.annealing.count_kernels import count_leg
 from rota.planners.patrol.annealing.speed_kernels import has_speeds, ring_m, trim_of
-from rota.planners.patrol.annealing.state import Count, Ints, Tours
+from rota.planners.patrol.annealing.state import Count, Tours
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import norm

@@ -17,15 +17,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.bounds.witness_points import MOST_LOOKED_AT
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tolerances import ROUNDING
-
-Floats = NDArray[np.float64]
 
 DIRECTIONS = 16  # of such lines
 

@@ -14,14 +14,11 @@ Source. M. Held and R. M. Karp, "The Traveling-Salesman Problem and Minimum Span
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.tolerances import SURELY
 from rota.planners.patrol.verdict import robots_in_words
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def forest_bound(apart_m: Floats, window_s: float, speed_m_s: float, least: int) -> ProvedBound:

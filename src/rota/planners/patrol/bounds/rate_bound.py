@@ -33,13 +33,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Robot
 from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
-
-Floats = NDArray[np.float64]
 
 
 def swept_robots(

@@ -14,11 +14,10 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion
 from rota.geometry.tiles import clip, few_cornered_boxes, grown_box
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Robot, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS, area_in_range
 from rota.planners.patrol.tolerances import HAIR_M
-
-Floats = NDArray[np.float64]
 
 # before GEOS draws round a shape it leaves out dents of the outline that are shallower than this share of the distance
 DENTS = 0.01

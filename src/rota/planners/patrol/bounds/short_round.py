@@ -9,15 +9,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.witness_points import Witnesses
 from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def robots_on_rounds(witnesses: Witnesses, robot: Robot) -> float:

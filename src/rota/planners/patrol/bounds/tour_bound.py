@@ -21,8 +21,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Robot
 from rota.planners.patrol.bounds.length_kernels import Tasks
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
@@ -32,9 +32,6 @@ from rota.planners.patrol.bounds.witness_points import Witnesses
 from rota.planners.patrol.cycles.deadline_kernels import Outcome
 from rota.planners.patrol.tolerances import SURELY
 from rota.planners.patrol.verdict import robots_in_words
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_ROBOTS = 8
 

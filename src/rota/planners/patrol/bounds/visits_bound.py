@@ -21,18 +21,15 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.bounds.witness_points import MOST_SPREAD_OUT
 from rota.planners.patrol.cycles.one_robot import is_hopeless
 from rota.planners.patrol.cycles.teams import MOST_TOGETHER
 from rota.planners.patrol.tolerances import SURELY
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def visits_bound(apart_m: Floats, period_s: Floats, speed_m_s: float, least: int) -> Iterator[ProvedBound]:

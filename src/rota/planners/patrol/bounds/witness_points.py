@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -17,15 +16,13 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.free_space import DemandedRegion, border_segments, standing_space
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Mission, SquareSensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.surroundings import MANY_WALLS
 from rota.planners.patrol.ground.viewpoints import Viewpoints
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_SPREAD_OUT = 120  # witnesses that lie far from each other, and places in the linear program for visits
 MOST_LOOKED_AT = 20_000  # samples among which witnesses are chosen, for each period, or of which chains are made
@@ -65,7 +62,7 @@ class Witnesses:
         np.fill_diagonal(apart, 0.0)
         return apart
 
-    def choose(self, which: NDArray[np.bool_] | Ints) -> Witnesses:
+    def choose(self, which: Flags | Ints) -> Witnesses:
         """Those at the numbers, or the flags, ``which``."""
         which = np.flatnonzero(which) if which.dtype == np.bool_ else which
         return Witnesses(
@@ -289,7 +286,7 @@ def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float
     return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 
 
-def _well_seen(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> NDArray[np.bool_]:
+def _well_seen(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> Flags:
     """Which points (n,) some place sees that is not at the limit of its range: all about them is seen, too."""
     seen = np.zeros(len(points), dtype=np.bool_)
     for i, place_m in enumerate(viewpoints.xy_m):

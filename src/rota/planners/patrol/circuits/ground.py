@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import AREA, Charger, Mission, Robot, Zone, inner_reach_m
 from rota.model.plan import Plan
 from rota.model.polygons import polygons_of
@@ -34,8 +34,6 @@ from rota.planners.patrol.relief.relieve import without_batteries
 from rota.planners.patrol.relief.slots import MOMENT
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SAME_TIME_S, SLOWER
 from rota.planners.patrol.traffic.starts.approaches import timed_approach, without_short_legs
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,15 +12,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats, Ints
 from rota.model.battery_limits import BatteryLimits
 from rota.planners.patrol.circuits.ground import Circuit
 from rota.planners.patrol.relief.shifts import MOST_JOBS, stays_s
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SHORTEST_S
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,7 +26,7 @@ class Turn:
     """A turn of so many seconds, in which each circuit is launched so often (circuits,); what that takes of robots."""
 
     lasts_s: float
-    counts: NDArray[np.int64]
+    counts: Ints
     robots: float
 
 
@@ -123,7 +121,7 @@ class _Queue:
         found = [self._ring(own, after) for own in _rings_of(np.mod(after, len(after)))]
         return found if all(self._keeps_reserve(ring) for ring in found) else None
 
-    def _first_come(self) -> NDArray[np.int64] | None:
+    def _first_come(self) -> Ints | None:
         """Of each launch, the number of the launch that its robot flies next, counted on over turns; None: too late."""
         count, turn_s = len(self._begins_s), self._turn_s
         turns_later = (
@@ -135,16 +133,16 @@ class _Queue:
             return None
         rank = np.empty(count, np.int64)
         rank[np.argsort(lands_s, kind="stable")] = np.arange(count)
-        after: NDArray[np.int64] = waiting + rank + turns_later * count
+        after: Ints = waiting + rank + turns_later * count
         return after if (self._at_s(after) >= self._ends_s + SHORTEST_S).all() else None
 
-    def _at_s(self, numbers: NDArray[np.int64]) -> Floats:
+    def _at_s(self, numbers: Ints) -> Floats:
         """When the launches of these numbers, counted on over turns, begin."""
         count = len(self._begins_s)
         found: Floats = self._begins_s[numbers % count] + numbers // count * self._turn_s
         return found
 
-    def _with_fewer_rings(self, after: NDArray[np.int64] | None) -> NDArray[np.int64] | None:
+    def _with_fewer_rings(self, after: Ints | None) -> Ints | None:
         """The same with as few rings as can be: of two robots that wait at one time, either may go first."""
         if after is None:
             return None
@@ -157,7 +155,7 @@ class _Queue:
                 after[other] -= 1
         return after
 
-    def _ring(self, own: Sequence[int], after: NDArray[np.int64]) -> Ring:
+    def _ring(self, own: Sequence[int], after: Ints) -> Ring:
         """The ring of these launches, in their order."""
         count, at = len(after), own[0]
         launches = []
@@ -194,7 +192,7 @@ def _stays_s(ring: Ring, circuits: Sequence[Circuit]) -> list[float]:
     return [next_s - end_s for next_s, end_s in zip(nexts_s, ends_s, strict=True)]
 
 
-def _rings_of(after: NDArray[np.int64]) -> Iterator[list[int]]:
+def _rings_of(after: Ints) -> Iterator[list[int]]:
     """The rings of a permutation, each from its least number on."""
     left = np.ones(len(after), np.bool_)
     for first in range(len(after)):

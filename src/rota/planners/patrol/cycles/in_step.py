@@ -6,14 +6,11 @@ import itertools
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.cycles.one_robot import DEAD_KEPT
 from rota.planners.patrol.cycles.step_kernels import rounds_in_step
 from rota.planners.patrol.cycles.teams import MOST_TOGETHER, Share
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def with_one_less(

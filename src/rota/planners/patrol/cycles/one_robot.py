@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.cycles.deadline_kernels import Outcome, round_for_ever, shortest_part
 from rota.planners.patrol.tolerances import SURELY
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TICKS = 1_000_000  # of the clock within the shortest deadline
 DEAD_KEPT = 1000  # dead states of each place that are compared with

@@ -7,13 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.cycles.one_robot import is_surely_too_much, stretch_of, visit_for_ever
 from rota.planners.patrol.cycles.subset_kernels import cheapest_sharing, round_trips
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # places over whose subsets a team is looked for, or of which it is asked whether one robot can serve them; more are
 # cut into parts again and again

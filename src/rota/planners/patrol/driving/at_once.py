@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
 from rota.planners.patrol.driving.polylines import keeps_radius, turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import SLOWER
-
-Floats = NDArray[np.float64]
 
 SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory, Waypoints
 from rota.model.trajectory import forward_accelerations
@@ -22,8 +22,6 @@ from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.tolerances import OFF_M, SAME_TIME_S
 from rota.vehicles.ardupilot_auto import ArduPilotAuto
 from rota.vehicles.blend_kernels import SLIVER, blends_of, corner_table, from_rest, sampled_round
-
-Floats = NDArray[np.float64]
 
 
 class Auto:

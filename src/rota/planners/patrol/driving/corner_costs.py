@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
-
-Floats = NDArray[np.float64]
 
 LONGEST_REACHES = 6.5  # the longest leg of a table: a little more than a search has
 

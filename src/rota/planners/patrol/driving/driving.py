@@ -6,9 +6,7 @@ import functools
 from collections.abc import Callable
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.at_once import AtOnce
 from rota.planners.patrol.driving.auto import Auto
@@ -18,7 +16,6 @@ from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.vehicles.models import MODELS
 from rota.vehicles.presets import vehicle_within
 
-Floats = NDArray[np.float64]
 Slopes = Callable[[Floats], tuple[Floats, Floats]]
 
 

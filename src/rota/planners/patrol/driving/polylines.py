@@ -6,12 +6,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.tolerances import HAIR_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 STRAIGHT_RAD = 1e-12  # a vertex that turns less is on a straight
 
@@ -31,7 +28,7 @@ def without_repeats(vertices_m: Floats) -> Floats:
     return np.asarray(vertices_m[no_repeats(vertices_m)])
 
 
-def no_repeats(vertices_m: Floats) -> NDArray[np.bool_]:
+def no_repeats(vertices_m: Floats) -> Flags:
     """Which vertices (n,) of a closed polyline do not repeat the one before; one at least."""
     keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
     if not keep[0]:  # the first vertex stays what it is: it may be where a nest's tours meet

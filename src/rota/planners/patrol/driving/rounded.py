@@ -6,8 +6,8 @@ import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving import rounded_kernels as kernels
 from rota.planners.patrol.driving.corner_costs import (
@@ -22,8 +22,6 @@ from rota.planners.patrol.driving.polylines import way_beside, without_straight_
 from rota.planners.patrol.driving.speed_kernels import BESIDE, Row, slopes
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import OFF_M, SLOWER, TO_SPARE
-
-Floats = NDArray[np.float64]
 
 STRAIGHT_RAD = 1e-5  # who turns less would turn in less time than a plan tells; that is off by less than a millimetre
 

@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.plan import Trajectory
-
-Floats = NDArray[np.float64]
 
 
 class TimedLine(NamedTuple):

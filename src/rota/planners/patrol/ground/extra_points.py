@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, join, known_walls, lay_out, points_of, thin
-
-Floats = NDArray[np.float64]
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
 

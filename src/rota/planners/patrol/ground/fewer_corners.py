@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
+from rota.model.arrays import Flags
 from rota.model.mission import Mission
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.tolerances import TIE
@@ -43,9 +44,9 @@ def with_fewer_corners(mission: Mission, reach_m: float, body_m: float) -> Missi
     return replace(mission, obstacles=tuple(obstacles))
 
 
-def _those_beside_others(parts: NDArray[np.object_], mission: Mission, near_m: float) -> NDArray[np.bool_]:
+def _those_beside_others(parts: NDArray[np.object_], mission: Mission, near_m: float) -> Flags:
     """Whether another part, or the border of the area, is so near to each of the parts: (n,) flags."""
-    crowded: NDArray[np.bool_] = shapely.dwithin(parts, shapely.boundary(mission.area), near_m)
+    crowded: Flags = shapely.dwithin(parts, shapely.boundary(mission.area), near_m)
     one, other = shapely.STRtree(parts).query(parts, predicate="dwithin", distance=near_m)
     crowded[one[one != other]] = True
     return crowded

@@ -7,18 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
 from rota.geometry.free_space import standing_anywhere, standing_space_in
 from rota.geometry.shortest_path import ShortestPaths
 from rota.geometry.tiles import Box, clip
+from rota.model.arrays import Floats
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.surroundings import MANY_WALLS
 from rota.planners.patrol.tolerances import HAIR_M
-
-Floats = NDArray[np.float64]
 
 # of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
 

@@ -7,18 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, border_segments
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.tolerances import BESIDE_M
-
-Floats = NDArray[np.float64]
 
 ARC_STEPS = 64  # per quarter of a circle
 FEW_CORNERS = 1_000  # of a space: what is in its range is soon worked out

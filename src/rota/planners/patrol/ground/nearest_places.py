@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.threads import side_by_side
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.tolerances import HAIR_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PAIRS_TOGETHER = 200_000  # of points and sides: of so many that there are a group of near points is made
 

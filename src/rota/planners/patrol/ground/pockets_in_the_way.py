@@ -13,21 +13,19 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import nooks, standing_space_in
 from rota.geometry.tiles import Box, clip, grown_box
+from rota.model.arrays import Floats
 from rota.model.mission import TOUCH_M
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.standing import POCKET_ARC_CORNERS
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.tolerances import BESIDE_M, HAIR_M, SLIVER_M2
-
-Floats = NDArray[np.float64]
 
 
 class Around(NamedTuple):

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
 from rota.model.motion_limits import weakest
 from rota.planners.patrol.driving.corner_costs import pace_on_lanes
@@ -36,8 +36,6 @@ from rota.planners.patrol.loop_settings import SamplingSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tolerances import OUT_OF_REACH
 from rota.planning.stopping import require_going_on
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import allocation_free, always_inline, noinline
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.ground.sight_kernels import (
     DEPTH_SECTORS,
     Line,
@@ -21,8 +22,6 @@ from rota.planners.patrol.ground.sight_kernels import (
 )
 from rota.planners.patrol.tolerances import ON_LINE_M, SAME_PLACE_M
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Index = np.uint64  # in the hottest loops: each index that may be negative costs a look whether it is
 
 

@@ -14,6 +14,7 @@ from shapely import MultiPolygon
 
 from rota.geometry import kernels
 from rota.geometry.free_space import DemandedRegion
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Robot, inner_reach_m
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.depth_kernels import depths_near_walls
@@ -25,8 +26,6 @@ MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 TOGETHER = 2_000  # places or points that one thread looks at
 MOST_CELLS = 4_000_000  # of any table: of those into which walls are sorted, or ground is cut, or of pairs of places
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Rows = tuple[Ints, Ints]  # starts (n + 1,) of n rows, and the items of all
 
 
@@ -51,7 +50,7 @@ class SamplePoints:
     def __len__(self) -> int:
         return len(self.area_m2)
 
-    def __getitem__(self, which: NDArray[np.bool_] | Ints | slice) -> SamplePoints:
+    def __getitem__(self, which: Flags | Ints | slice) -> SamplePoints:
         return SamplePoints(
             xy_m=self.xy_m[which],
             area_m2=self.area_m2[which],

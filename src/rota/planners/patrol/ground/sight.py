@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot, SquareSensor, inner_reach_m
 
 
@@ -18,7 +17,7 @@ class Sight(NamedTuple):
     """
 
     space: MultiPolygon
-    walls: NDArray[np.float64]
+    walls: Floats
     robot: Robot
     range_margin_m: float
 

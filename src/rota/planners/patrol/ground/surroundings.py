@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.tiles import Box, grown_box
+from rota.model.arrays import Floats
 from rota.planners.patrol.tolerances import OUT_OF_REACH
-
-Floats = NDArray[np.float64]
 
 MANY_WALLS = 500  # with fewer, all of the ground is looked at, drawn finer and measured round
 

@@ -11,14 +11,12 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion
+from rota.model.arrays import Flags, Ints
 from rota.model.mission import Mission, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import area_in_range
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.sight import Sight
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 CLOSE_LOOKS = 1_000  # for a figure
@@ -92,7 +90,7 @@ def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, *, closely: b
     return Unseeable(shapely.union_all(shapes), m2)
 
 
-def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> NDArray[np.bool_]:
+def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> Flags:
     """Whether walls hide a place on each of the pieces (n,) from all places in range."""
     if not len(pieces):
         return np.zeros(0, dtype=np.bool_)
@@ -168,7 +166,7 @@ def _quarters(boxes: NDArray[np.object_]) -> NDArray[np.object_]:
     return np.concatenate([shapely.box(*sides) for sides in corners])
 
 
-def _beside_others(boxes: NDArray[np.object_], kind: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _beside_others(boxes: NDArray[np.object_], kind: Flags) -> Flags:
     """Whether each of the boxes (n,) touches one of the other kind."""
     one, other = shapely.STRtree(boxes).query(boxes, predicate="intersects")
     found = np.zeros(len(boxes), dtype=np.bool_)

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.threads import side_by_side
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Robot
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
@@ -31,9 +31,6 @@ from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
 
@@ -90,9 +87,7 @@ def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, sampl
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
 
 
-def choose_viewpoints(
-    start: Ints, items: Ints, wanted: NDArray[np.bool_], weight: Floats
-) -> tuple[Ints, NDArray[np.bool_]]:
+def choose_viewpoints(start: Ints, items: Ints, wanted: Flags, weight: Floats) -> tuple[Ints, Flags]:
     """Places (greedy set cover) that see all wanted samples that any place sees; which samples (s,) stay unseen."""
     covered = ~wanted
     chosen: Ints = greedy_cover(start, items, np.where(wanted, np.maximum(weight, 1e-6), 0.0), covered)

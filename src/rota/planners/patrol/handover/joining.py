@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.model.plan import Driven, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
@@ -18,9 +18,6 @@ from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,10 +8,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 
 from rota.errors import NoPlanFound, PlanError
+from rota.model.arrays import Floats, Ints
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
@@ -23,8 +23,6 @@ from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planning.planner import Handover
 
-Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Coming:
@@ -34,7 +32,7 @@ class Coming:
     line: TimedLine
     end: int
     from_there_s: Floats
-    before: NDArray[np.int64]
+    before: Ints
 
 
 def takeovers_on_lanes(asked: Handover) -> Iterator[Plan]:
@@ -108,14 +106,14 @@ def start_round(round_: TimedLine, phase_s: float) -> TimedLine:
     return round_ if round_.stays else start_at(round_, float(phase_s))
 
 
-def _ends_of(round_: TimedLine, network: Network) -> tuple[Floats, NDArray[np.int64]]:
+def _ends_of(round_: TimedLine, network: Network) -> tuple[Floats, Ints]:
     """When a round is at ends of lanes, and at which: (k,) each."""
     away_m = np.hypot(*(round_.places_m[:, None] - network.ends_m[None]).transpose(2, 0, 1))
     there = np.flatnonzero(away_m.min(axis=1) <= HAIR_M)
     return round_.times_s[there], np.argmin(away_m[there], axis=1)
 
 
-def _moments_s(one: Coming, phases_s: Floats, ends: NDArray[np.int64], duration_s: float, shift_s: float) -> Floats:
+def _moments_s(one: Coming, phases_s: Floats, ends: Ints, duration_s: float, shift_s: float) -> Floats:
     """When a robot can come into a round at each of its ends (k,), as far on as the round then is; inf: never."""
     least_s = one.line.duration_s + one.from_there_s[ends]
     if duration_s == 0:

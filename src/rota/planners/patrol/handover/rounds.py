@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import TOUCH_M, Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.polylines import without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at
 from rota.planners.patrol.tours.curves import closed_curve
 from rota.planners.patrol.tours.timetable import line_of, loop_timetable
-
-Floats = NDArray[np.float64]
 
 SAME_M, SAME = 1e-4, 1e-7  # rounds are one that miss each other by no more, and whose times do by no greater share
 COMPARED = 16  # moments of two rounds

@@ -6,11 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.handover.rounds import Round
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from shapely import MultiPolygon
 
@@ -36,8 +35,6 @@ from rota.planners.patrol.handover.shares import Share, Sharing, sharings
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
-
-Floats = NDArray[np.float64]
 
 
 def takeovers(asked: Handover) -> Iterator[Plan]:

@@ -11,14 +11,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies.timing import crowds_that_touch
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Cuts(NamedTuple):

@@ -8,17 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.initial.standing import robots_stand, standing_tours
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_GEODESIC = 1500  # beyond as many places, their order is found with straight distances
 MOST_ORDERED = 4000  # beyond as many places, or ends of lanes, lanes are their order
@@ -170,7 +167,7 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
             yield int(component), own[group]
 
 
-def linked_groups(linked: NDArray[np.bool_]) -> Iterator[Ints]:
+def linked_groups(linked: Flags) -> Iterator[Ints]:
     """What is linked (n, n), by whatever way, in groups; as a sparse graph a full table takes forty times the room."""
     left = np.ones(len(linked), dtype=np.bool_)
     while left.any():

@@ -7,15 +7,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import PlaceGroup, straight_neighbourhoods, tour_past
 from rota.planners.patrol.settings import ExcursionEstimate
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def can_nest(problem: Problem) -> bool:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import lay_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def robots_stand(problem: Problem, period_s: float) -> bool:

@@ -9,16 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.affinity import rotate
 
 from rota.geometry.free_space import DemandedRegion
+from rota.model.arrays import Floats
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.tolerances import BISECTIONS, SLIVER_M2
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,18 +9,16 @@ from typing import Protocol
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import nearest_free_point, standing_space
+from rota.model.arrays import Floats
 from rota.model.mission import AREA, Charger, Mission, Zone
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.kinds.division import Part
 from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.kinds.turns_at_chargers import later_with_room, turns_beside
 from rota.planners.patrol.verdict import Judge
-
-Floats = NDArray[np.float64]
 
 
 class Search(Protocol):

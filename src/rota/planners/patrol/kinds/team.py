@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.geometry.free_space import demanded_regions
+from rota.model.arrays import Floats
 from rota.model.mission import Charger
 from rota.model.plan import Plan
 from rota.planners.patrol.kinds.division import Part, divisions
@@ -18,8 +18,6 @@ from rota.planners.patrol.kinds.parts import Outcome, Parts, Search
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.verdict import worst_reached
 from rota.planning.planner import Request
-
-Floats = NDArray[np.float64]
 
 TRIES: dict[Effort, int] = {"quick": 6, "normal": 16, "high": 60}  # divisions of the ground that are planned
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Charger
 from rota.model.plan import Plan, Trajectory
 from rota.routes.moments import go_on
 
-Floats = NDArray[np.float64]
 Stays = list[tuple[str, float, float]]
 
 MOST_TURNS = 4  # of one kind to so many of another one, so that what they do together repeats soon

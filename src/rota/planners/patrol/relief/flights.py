@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags
 from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
@@ -15,9 +15,6 @@ from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.relief.turns import Job, Rotation
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SAME_TIME_S
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def trajectories_of(

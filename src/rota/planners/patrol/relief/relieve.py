@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats
 from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
@@ -20,7 +21,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
 from rota.planners.patrol.relief.roomy import cycles_with_room
-from rota.planners.patrol.relief.shifts import Cycle, Floats, best_cycle
+from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
     WINGS,

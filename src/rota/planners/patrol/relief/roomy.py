@@ -6,8 +6,9 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
+from rota.model.arrays import Floats
 from rota.model.battery_limits import BatteryLimits
-from rota.planners.patrol.relief.shifts import Cycle, Floats, best_cycle
+from rota.planners.patrol.relief.shifts import Cycle, best_cycle
 from rota.planners.patrol.relief.slots import Handovers, Slot
 
 

@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.planners.patrol.relief.slots import SPOTS, Handovers, Slot
 from rota.planners.patrol.tolerances import SAME_ROUND
-
-Floats = NDArray[np.float64]
 
 MOST_JOBS = 12  # of a slot, or periods of a circuit, in a turn
 
@@ -88,7 +86,7 @@ class _Way(NamedTuple):
         """Seconds of all flights of a turn."""
         return self.jobs * (self.rounds * self.round_s + 2 * self.way_s)
 
-    def at(self, turns: NDArray[np.bool_]) -> _Way:
+    def at(self, turns: Flags) -> _Way:
         """The same for some of the turns (n,)."""
         return self._replace(rounds=self.rounds[turns], round_s=self.round_s[turns], busy_s=self.busy_s[turns])
 
@@ -206,7 +204,7 @@ def ways_to_serve(
     return list(best.values())
 
 
-Tried = tuple[int, Floats | float, Floats, float, NDArray[np.bool_]]  # jobs, rounds, round_s, way_s, possible
+Tried = tuple[int, Floats | float, Floats, float, Flags]  # jobs, rounds, round_s, way_s, possible
 
 
 def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float) -> Iterator[Tried]:

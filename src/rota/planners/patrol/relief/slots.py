@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
@@ -16,8 +16,6 @@ from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_a
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
 from rota.planners.patrol.verdict import Judge
-
-Floats = NDArray[np.float64]
 
 MOMENT = 1e-3  # of the period, that a robot is at least where another one would stay for ever
 WINGS = 0.85  # of their speed is the least at which robots that cannot stand are planned on loops

@@ -10,14 +10,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
 from rota.geometry.kernels import free_segments
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.planners.patrol.tolerances import SAME_PLACE_M
-
-Floats = NDArray[np.float64]
 
 
 def passing_ways(

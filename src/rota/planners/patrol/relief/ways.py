@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import PlanError
 from rota.geometry.kernels import free_segments
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
@@ -20,8 +20,6 @@ from rota.planners.patrol.tolerances import SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
 from rota.planners.patrol.traffic.starts.approaches import timed_approach
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
-
-Floats = NDArray[np.float64]
 
 MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a battery lasts for whole rounds from there
 

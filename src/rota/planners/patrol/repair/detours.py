@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, lay_out
@@ -16,9 +16,6 @@ from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_place
 from rota.planners.patrol.repair.last_places import near_to, ways_to_hidden
 from rota.planners.patrol.tolerances import CUT_M, ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour, room_m
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LONG_LEG = 4.0  # reaches: a leg so long is left and come back to where a detour is nearest
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import points_inside, segments_free
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 from rota.planners.patrol.ground.problem import Problem
@@ -20,9 +20,6 @@ from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoints import place_that_sees, what_places_see
 from rota.planners.patrol.tolerances import CUT_M, INSIDE_M, SAME_PLACE_M
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
 HALVINGS = 6  # of that way, where something stands in it
@@ -103,7 +100,7 @@ def way_across(problem: Problem, point_m: Floats, place_m: Floats) -> Floats:
     return np.array([place for place in (left, middles[k], right) if place is not None])
 
 
-def reached_straight(problem: Problem, begins_m: Floats, ends_m: Floats) -> NDArray[np.bool_]:
+def reached_straight(problem: Problem, begins_m: Floats, ends_m: Floats) -> Flags:
     """Whether robots get straight from places in the space to others, (..., 2) each: (...) flags."""
     grid = problem.paths.grid
     begins, ends = begins_m.reshape(-1, 2), ends_m.reshape(-1, 2)

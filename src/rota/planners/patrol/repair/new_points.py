@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
@@ -18,9 +18,6 @@ from rota.planners.patrol.ground.samples import SamplePoints, join, points_of
 from rota.planners.patrol.tolerances import ON_LINE_M
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.verdict import Verdict
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def new_points(

@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
@@ -36,9 +35,6 @@ from rota.planners.patrol.tours.tour import Tour, over_budget_share, tour_length
 from rota.planners.patrol.traffic.bodies.reroutes import reroute
 from rota.planners.patrol.traffic.bodies.timing import timed_rounds
 from rota.planners.patrol.verdict import Verdict
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

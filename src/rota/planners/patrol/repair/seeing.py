@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Ints
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.repair.detours import visit_places
 from rota.planners.patrol.tours.tour import Tour
-
-Ints = NDArray[np.int64]
 
 
 def see_the_rest(

@@ -8,16 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Lane, Mission
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
@@ -29,8 +28,6 @@ from rota.planners.patrol.traffic.bodies.loops import Loop
 from rota.planners.patrol.traffic.bodies.timing import timed_loops
 from rota.planners.patrol.verdict import Verdict, unmet_reason
 from rota.planning.planner import Request
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.cycles.in_step import with_one_less
 from rota.planners.patrol.cycles.teams import Share, share_places, worth
 from rota.planners.patrol.methods.cycles.search import MOST_TARGETS, ROUNDS, STATES, STATES_IN_STEP
@@ -15,9 +15,6 @@ from rota.planners.patrol.planner_settings import Effort
 from rota.planners.patrol.route_graph.network import Calls
 from rota.planners.patrol.route_graph.splitting_kernels import anneal_order, split_at_best
 from rota.planners.patrol.tolerances import SLOWER
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOVES: dict[Effort, int] = {"quick": 120_000, "normal": 500_000, "high": 3_000_000}  # tried on the order of places
 PER_LOAD = 0.3  # of a robot: what a robot's full load costs, so that rounds become shorter until one robot is spared

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.geometry.kernels import free_segments
 from rota.planners.patrol.annealing.search import Annealing
@@ -17,8 +16,6 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.tours.tour import Tour, hubs_and_petals
-
-Floats = NDArray[np.float64]
 
 
 class Spike(NamedTuple):

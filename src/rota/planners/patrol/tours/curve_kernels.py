@@ -14,10 +14,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free, kernel
 from rota.geometry.kernels import segment_is_free
+from rota.model.arrays import Floats
 
 
 class _Side(NamedTuple):
@@ -50,10 +50,10 @@ BLOCKED_M = 1e9  # added to the length of a path that meets walls: any free one 
 class Leg(NamedTuple):
     """From one point (2,) to the next (2,), and the headings that may be had at each: (h,) and (g,)."""
 
-    a: NDArray[np.float64]
-    b: NDArray[np.float64]
-    headings_a: NDArray[np.float64]
-    headings_b: NDArray[np.float64]
+    a: Floats
+    b: Floats
+    headings_a: Floats
+    headings_b: Floats
 
 
 @allocation_free

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.driving.polylines import keeps_radius, timeable
 from rota.planners.patrol.tolerances import HAIR_M, TO_SPARE
 from rota.planners.patrol.tours.curve_kernels import (
@@ -24,9 +24,6 @@ from rota.planners.patrol.tours.curve_kernels import (
     shortest_words,
 )
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def _never() -> bool:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.auto import Auto
@@ -17,8 +17,6 @@ from rota.planners.patrol.driving.polylines import timeable
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.tolerances import HAIR_M, SHORTEST_S, SLOWER
 from rota.planners.patrol.tours.tour import Pace, Tour
-
-Floats = NDArray[np.float64]
 
 
 def loop_timetable(vertices_m: Floats, robot: Robot) -> TimedLine:

@@ -7,14 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import without_repeats
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

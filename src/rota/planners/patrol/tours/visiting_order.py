@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.tolerances import SAME_PLACE_M
 from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neighbour_tour
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def short_order(distance_m: Floats) -> Ints:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
@@ -20,8 +20,6 @@ from rota.planners.patrol.handover.charging.needs import Needs
 from rota.planners.patrol.handover.charging.timetables import Round, begin_at
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SHORTEST_S, SLOWER
-
-Floats = NDArray[np.float64]
 
 POINTS = 240  # of a round at which robots may come into it, beside its corners
 

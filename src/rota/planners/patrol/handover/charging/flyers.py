@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tolerances import SAME_ROUND
 from rota.routes.charging_legs import charging_legs
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

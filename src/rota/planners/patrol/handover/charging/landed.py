@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import TOUCH_M, Charger
 from rota.planners.patrol.driving.timed_line import chain, round_of
 from rota.planners.patrol.handover.charging.flyers import Arrival, Flyer, fills_s, flight_left
@@ -17,9 +17,6 @@ from rota.planners.patrol.handover.charging.timetables import Round, begin_at
 from rota.planners.patrol.handover.rounds import COMPARED
 from rota.planners.patrol.relief.ways import Way, Ways, motions_of
 from rota.planners.patrol.tolerances import SHORTEST_S
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 BEHIND = 12  # places of a flight, from where the round is on, of which the first one to which a way leads is taken
 
@@ -190,7 +187,7 @@ class Landed:
                 return Arrival(joins_s=joins_s, phase_s=phase_s, leaves_s=joins_s - lasts_s, enters=way.line_to(1.0))
         return None
 
-    def _has_enough(self, one: Flyer, stays_s: Floats, way_s: Floats, needs_s: Floats) -> NDArray[np.bool_]:
+    def _has_enough(self, one: Flyer, stays_s: Floats, way_s: Floats, needs_s: Floats) -> Flags:
         """Whether a robot that charges for so long and then flies so long into the round can go on with it for ever."""
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
         battery, least_s = one.robot.battery, self._needs.spare_s + SHORTEST_S

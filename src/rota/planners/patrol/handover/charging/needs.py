@@ -6,14 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.tolerances import SAME_ROUND
 from rota.routes.charging_legs import charging_legs
-
-Floats = NDArray[np.float64]
 
 SPARE_SHARE = 0.05  # of what the longest flight of a round takes: at most so much is to spare
 
@@ -59,16 +57,16 @@ class Needs:
         longest_s = float(np.max(np.where(self.docked, self._legs.needs_s, 0.0), initial=0.0))
         return max(0.0, min(SPARE_SHARE * longest_s, least_s / 2))
 
-    def leg_at(self, phases_s: Floats) -> NDArray[np.int64]:
+    def leg_at(self, phases_s: Floats) -> Ints:
         """The leg of the round at each of its moments (k,)."""
         legs = np.searchsorted(self._legs.begins_s, phases_s, side="right") - 1
         return np.clip(legs, 0, len(self.docked) - 1)
 
-    def docks_at(self, phases_s: Floats) -> NDArray[np.int64]:
+    def docks_at(self, phases_s: Floats) -> Ints:
         """The charger, by its number, at which the round is at each of its moments (k,); -1: at none."""
         return self._legs.docks[self.leg_at(phases_s)]
 
-    def at(self, phases_s: Floats, *, lands: NDArray[np.bool_]) -> Floats:
+    def at(self, phases_s: Floats, *, lands: Flags) -> Floats:
         """The least level (k,) at moments of the round with which a robot can go on for ever; inf: it cannot climb.
 
         lands: (k,) where the round is on a charger, whether the robot comes in flight and has to land first.
@@ -78,14 +76,12 @@ class Needs:
         is_late = self.docked[leg] & (self._legs.leaves_s[leg] - phases_s - lands_s < self._climbs_s)
         return np.where(is_late, np.inf, self._at(leg, phases_s, lands_s))
 
-    def _at(self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float) -> Floats:
+    def _at(self, leg: Ints, phases_s: Floats, lands_s: Floats | float) -> Floats:
         """The same at moments within these legs; lands_s: for how long nothing is charged from then on."""
         more_s, swapped = self._on_legs(leg, phases_s, lands_s)
         return np.asarray(np.maximum(np.where(swapped, 0.0, self._after_s[leg] + more_s), self._reserve_s))
 
-    def _on_legs(
-        self, leg: NDArray[np.int64], phases_s: Floats, lands_s: Floats | float
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+    def _on_legs(self, leg: Ints, phases_s: Floats, lands_s: Floats | float) -> tuple[Floats, Flags]:
         """How much more is needed there than at the ends of these legs, and where the battery is full by then."""
         legs = self._legs
         ends_s = np.where(self.docked[leg], np.minimum(legs.ends_s[leg], legs.leaves_s[leg] - self._climbs_s),

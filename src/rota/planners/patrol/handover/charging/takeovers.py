@@ -10,7 +10,6 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from rota.errors import PlanError
@@ -34,8 +33,6 @@ from rota.planners.patrol.relief.ways import Motion, Ways
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
-
-Floats = NDArray[np.float64]
 
 
 def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from rota.model.arrays import Floats
 from rota.model.mission import Charger, Robot
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
@@ -25,8 +25,6 @@ from rota.planners.patrol.tolerances import SAME_ROUND
 from rota.routes.charging_legs import charging_legs
 from rota.routes.flights import flights_of, has_flights
 from rota.routes.moments import go_on
-
-Floats = NDArray[np.float64]
 
 MISSED_S = 1e-7  # by which a robot may be charged too late for a flight: rounding
 FAR = 1e9  # seconds: what a flight from another charger, or a round that a robot never comes into, counts as

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.cycles.in_step import with_one_less
 from rota.planners.patrol.cycles.teams import Share, share_places
@@ -19,8 +19,6 @@ from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tolerances import SLOWER
 from rota.planners.patrol.tours.tour import Pace, Tour
-
-Floats = NDArray[np.float64]
 
 STATES: dict[Effort, int] = {"quick": 20_000, "normal": 100_000, "high": 400_000}  # looked at for some places
 STATES_IN_STEP = 50  # times as many, of several robots together

@@ -9,17 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions
+from rota.model.arrays import Floats
 from rota.model.mission import Fleet, Mission, Obstacle, Zone
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.tolerances import SLIVER_M2
 
-Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ELSEWHERE = "outside the district"

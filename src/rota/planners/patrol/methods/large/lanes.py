@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats, Ints
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
@@ -28,9 +28,6 @@ from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tolerances import ON_LINE_M, ROUNDING
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_SHARING = 12  # robots of one district or joined tour: what there is to check grows with their square
 AROUND = 4.0  # reaches beyond a district's bounds in which its robots may go

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.errors import NoPlanFound
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Ints
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.driving.polylines import without_repeats
@@ -31,9 +31,6 @@ from rota.planners.patrol.methods.sweeping.search import judge_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def is_built_up(context: Context) -> bool:

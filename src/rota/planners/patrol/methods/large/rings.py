@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString
 
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.methods.large.rows import Column
 from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends
 from rota.planners.patrol.tolerances import SAME_PLACE_M
-
-Floats = NDArray[np.float64]
 
 
 def ring_over(column: Column, swath: Swath) -> Floats:

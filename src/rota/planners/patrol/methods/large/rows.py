@@ -13,16 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sweeping.lanes import Swath, ground_turned, polygons, shared_m, slab
 from rota.planners.patrol.tolerances import BESIDE_M, CUT_M
-
-Floats = NDArray[np.float64]
 
 MOST_LANES = 24  # side by side in one row
 MOST_SHARING = 16  # robots of one column: each drives all of it, and what there is to check grows with their square
@@ -141,7 +139,7 @@ def chains(shape: MultiPolygon, edges_m: Floats) -> Iterator[tuple[int, list[Pol
     yield from growing
 
 
-def goes_on(touches: NDArray[np.bool_], k: int) -> bool:
+def goes_on(touches: Flags, k: int) -> bool:
     """Whether the one part that borders chain k borders no other: touches (parts, chains)."""
     return bool(touches[np.argmax(touches[:, k])].sum() == 1)
 

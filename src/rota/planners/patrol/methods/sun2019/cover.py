@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_matrix
 
+from rota.model.arrays import Flags, Ints
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints
-
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 
 def greedy_cover(start: Ints, items: Ints, cells: int) -> Ints:

@@ -9,13 +9,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Ints
 from rota.planners.patrol.methods.sun2019.sensors import Frame
 from rota.planners.patrol.tolerances import BISECTIONS, TIE
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Partition(NamedTuple):

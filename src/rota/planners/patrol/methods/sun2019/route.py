@@ -12,17 +12,14 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def route_round(line_m: Floats, paths: ShortestPaths, *, radius_m: float) -> Floats:

@@ -8,18 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import lay_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.methods.sun2019.cover import exact_cover
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ACROSS_ZONES_M = 10_000.0  # alpha of Eq. 12: metres that a step to a sensor of another period counts as
 
@@ -78,7 +75,7 @@ def deployed_sensors(problem: Problem, cover: str) -> tuple[Floats, Ints]:
     return places_m[np.concatenate(chosen)], np.concatenate(classes)
 
 
-def chosen_places(start: Ints, items: Ints, wanted: NDArray[np.bool_], cover: str) -> Ints:
+def chosen_places(start: Ints, items: Ints, wanted: Flags, cover: str) -> Ints:
     """Places (k,) that see all wanted samples (s,) that any sees. start (c + 1,), items: what each place sees."""
     if cover == "greedy":
         return choose_viewpoints(start, items, wanted, np.ones(len(wanted)))[0]

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import Polygon
 
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.methods.sweeping.lanes import polygons, shared_m, slabs
 from rota.planners.patrol.tolerances import CUT_M, ON_LINE_M
-
-Floats = NDArray[np.float64]
 
 
 def cells(shape: Polygon) -> list[Polygon]:
@@ -41,12 +39,10 @@ def cells(shape: Polygon) -> list[Polygon]:
     return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=ON_LINE_M))]
 
 
-def shared_borders(parts: list[Polygon], others: list[Polygon]) -> NDArray[np.bool_]:
+def shared_borders(parts: list[Polygon], others: list[Polygon]) -> Flags:
     """Which parts (n,) share a border with which others (m,) of the slab below: (n, m)."""
     spans, other_spans = (shapely.bounds(np.array(list_, dtype=object)).reshape(-1, 4) for list_ in (parts, others))
-    shared: NDArray[np.bool_] = (spans[:, None, 0] < other_spans[None, :, 2]) & (
-        other_spans[None, :, 0] < spans[:, None, 2]
-    )
+    shared: Flags = (spans[:, None, 0] < other_spans[None, :, 2]) & (other_spans[None, :, 0] < spans[:, None, 2])
     for i, j in np.argwhere(shared):
         shared[i, j] = shared_m(parts[i], others[j]) > CUT_M
     return shared

@@ -9,18 +9,16 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor, Sensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.tolerances import BESIDE_M, HAIR_M, ON_LINE_M, SAME_PLACE_M, SLIVER_M2
-
-Floats = NDArray[np.float64]
 
 FEW_CORNERS = 100  # of a shape: with more it is halved before it is cut into slabs, each of which costs all corners
 

@@ -16,9 +16,9 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sweeping.lanes import ground_turned, slab, turn_shape, turning
 from rota.planners.patrol.methods.sweeping.routes import (
@@ -32,7 +32,6 @@ from rota.planners.patrol.methods.sweeping.routes import (
 )
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
-Floats = NDArray[np.float64]
 Sweeping = Callable[[Problem, SweepGround, float, int | None], list[Tour] | None]  # see the methods of this module
 
 BALANCING = 6  # rounds in which strips, sub-areas and districts are made more alike

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
@@ -28,9 +28,6 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tolerances import ON_LINE_M, TO_SPARE
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses

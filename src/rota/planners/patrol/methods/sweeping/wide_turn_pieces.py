@@ -10,10 +10,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.methods.sweeping.lanes import (
     Swath,
     ground_turned,
@@ -26,8 +26,6 @@ from rota.planners.patrol.methods.sweeping.lanes import (
     turning,
 )
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
-
-Floats = NDArray[np.float64]
 
 OUTSIDE = 1 / math.cos(STEP_RAD / 2)  # radii from the middle of an arc to the corners of the legs that touch it
 SHORTEST = 0.1  # radii: shorter pieces are left out
@@ -114,7 +112,7 @@ def pieces_round(middles: Polygon, radius_m: float) -> Iterator[Floats]:
             way += [ring[after] + radius_m * across[after]]
 
 
-def cut_legs(lengths_m: Floats, turns: Floats, radius_m: float) -> NDArray[np.bool_]:
+def cut_legs(lengths_m: Floats, turns: Floats, radius_m: float) -> Flags:
     """Which legs (n,) of a ring are cut in their middle: those as long as the radius, or the longest."""
     straight = np.where(np.minimum(turns, np.roll(turns, -1)) < 0, 0.0, lengths_m)
     return np.asarray((straight >= radius_m) | (np.arange(len(straight)) == np.argmax(straight)))

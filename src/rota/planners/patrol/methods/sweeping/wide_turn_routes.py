@@ -7,15 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.driving.polylines import timeable
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M, curve_corners, lengths_between
 from rota.planners.patrol.tours.visiting_order import short_order
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

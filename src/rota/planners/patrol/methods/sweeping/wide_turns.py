@@ -14,10 +14,10 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import LineString
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem
@@ -40,8 +40,6 @@ from rota.planners.patrol.repair.seeing import annealing_of
 from rota.planners.patrol.tolerances import TO_SPARE
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.repair.bending.layout import Layout
 from rota.planners.patrol.repair.bending.program import Rows, rows_along
 from rota.planners.patrol.tolerances import HAIR_M, ON_LINE_M
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 class Border:

@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.driving.driving import Slopes, driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, tour_length_m, whole_budget_m
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,20 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.repair.bending.solver import GrowingProgram
 from rota.planners.patrol.tolerances import HAIR_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-
 
 BUDGET_PENALTY = 2.0  # of a metre over a budget
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.kernels import free_segments
+from rota.model.arrays import Floats
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
@@ -26,8 +26,6 @@ from rota.planners.patrol.repair.bending.layout import lay_out_tours, sightings
 from rota.planners.patrol.repair.bending.program import BUDGET_PENALTY, best_step, range_rows
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
 
 ROUNDING = 1e-7  # costs below this are rounding
 FIRST_TRUST = 0.04  # of the reach: how far vertices may move in the first step

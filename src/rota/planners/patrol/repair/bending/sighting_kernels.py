@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from rota.compiled.kernel import allocation_free
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import (
     Line,
@@ -17,9 +15,6 @@ from rota.planners.patrol.ground.sight_kernels import (
     range_interval,
 )
 from rota.planners.patrol.tolerances import SAME_PLACE_M
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @allocation_free

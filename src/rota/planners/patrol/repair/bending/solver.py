@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import highspy
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, hstack
 
-Floats = NDArray[np.float64]
+from rota.model.arrays import Floats
 
 # dual simplex: whatever limits are added, it can go on from the solution before them; no presolve,
 # which would take longer than it saves here; one thread, since several programs are solved side by side

@@ -7,16 +7,14 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED
-
-Floats = NDArray[np.float64]
 
 
 def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:

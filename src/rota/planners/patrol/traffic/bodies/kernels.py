@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.compiled.kernel import allocation_free
-from rota.planners.patrol.ground.sample_kernels import Ints
+from rota.model.arrays import Ints
 
 Bytes = NDArray[np.uint8]
 ShortInts = NDArray[np.int32]

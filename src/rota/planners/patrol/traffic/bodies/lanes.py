@@ -9,20 +9,17 @@ from itertools import compress
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.polylines import split_legs, without_straight_vertices
 from rota.planners.patrol.ground.keeping_off import QUARTER_CORNERS
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LANE_SPACING = 1.1  # of two bodies: between two lanes, with what timing on a grid of samples takes
 STRAIGHTENING = 0.02  # of a body: points of a route that stand out less are left out

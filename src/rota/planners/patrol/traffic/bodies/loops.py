@@ -9,18 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.ground.samples import MOST_CELLS
 from rota.planners.patrol.tours.timetable import line_of, loop_timetable, paced_timetable
 from rota.planners.patrol.tours.tour import Tour
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEW_TRIED = 4  # clocks, cuts of a loop, places to begin it, or robots that may step aside: the most promising
 

@@ -7,16 +7,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.timetable import stretch_line
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 
 class Choice(NamedTuple):

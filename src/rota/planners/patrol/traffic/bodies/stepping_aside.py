@@ -10,14 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.tolerances import TIE
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
-
-Floats = NDArray[np.float64]
 
 WIDEST = 0.25  # of two bodies: a loop that fits in no circle of that radius is timed like any other
 

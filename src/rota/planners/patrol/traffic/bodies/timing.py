@@ -7,7 +7,6 @@ from itertools import islice
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.timetable import evenly_spaced, line_of
@@ -16,8 +15,6 @@ from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED, Loop, Timed, cl
 from rota.planners.patrol.traffic.bodies.phases import phases_apart, phases_hardly_touching
 from rota.planners.patrol.traffic.bodies.stepping_aside import round_between, waiting_place
 from rota.planners.patrol.traffic.bodies.waits import waits_apart
-
-Floats = NDArray[np.float64]
 
 
 def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[TimedLine]:

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.driving.timed_line import start_at, steady
 from rota.planners.patrol.tours.timetable import stretch_line
 from rota.planners.patrol.traffic.bodies import kernels
 from rota.planners.patrol.traffic.bodies.loops import FEW_TRIED, Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sample
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.model.plan import Trajectory
 from rota.planners.patrol.driving.at_once import SLOW_LEG_M, timed_line
@@ -14,8 +14,6 @@ from rota.planners.patrol.driving.polylines import far_enough
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M, SHORTEST_S, SLOWER
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

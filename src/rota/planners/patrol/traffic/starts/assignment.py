@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from rota.model.arrays import Floats, Ints
 
 
 def earliest_assignment(times_s: Floats) -> Ints | None:

@@ -7,13 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rota.model.arrays import Floats
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.starts.approaches import Approach
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def departures_s(approaches: Sequence[Approach], bodies_m: Sequence[float]) -> Floats | None:

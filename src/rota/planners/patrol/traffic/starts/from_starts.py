@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission, Robot, StartBox, StartPoints
 from rota.model.plan import Plan
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady
@@ -21,9 +21,6 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.traffic.starts.places import MOST_CANDIDATES, in_turn
 from rota.planners.patrol.traffic.starts.run_ups import join_in_motion
 from rota.planners.patrol.verdict import Judge, robots_in_words, worst_reached
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.geometry.free_space import nearest_free_point, standing_space
 from rota.geometry.shortest_path import ShortestPaths
+from rota.model.arrays import Floats
 from rota.model.mission import Mission, Robot
 from rota.planners.patrol.tours.curves import approach_curve
-
-Floats = NDArray[np.float64]
 
 
 class PathsByBody:

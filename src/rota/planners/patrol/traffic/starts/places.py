@@ -7,14 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.model.arrays import Floats
 from rota.model.mission import StartBox
 from rota.planners.patrol.tolerances import TO_SPARE
-
-Floats = NDArray[np.float64]
 
 MOST_CANDIDATES = 4_000  # places that are looked at together
 
