@@ -193,7 +193,7 @@ def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_pl
 ) -> None:
     zones = [{"name": "gate", "period_s": 12, "ring": [[65, 45], [80, 45], [80, 60], [65, 60]]}]
     area = [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
-    fleet = {**SMALL["fleet"], "sensor": {"shape": "disc", "radius_m": 4}}  # type: ignore[dict-item]
+    fleet = {**SMALL["fleet"], "sensor": {"shape": "disc", "radius_m": 5}}  # type: ignore[dict-item]
     yard = {"area": area, "zones": zones, "fleet": fleet, "patrol": {"effort": "quick"}}
     page = open_page(new_page, page_server, f"#mission={kept(page_server, yard)}&tab=plan")
     page.evaluate(
