@@ -41,7 +41,8 @@ def route_label(plan: Plan, route: Route) -> str:
     numbered = [int(end[0] or 0) if end else 0 for end in ends] == [robot + 1 for robot in route.robots]
     if route.letter is not None:
         numbers = f"robot{'s' if len(names) > 1 else ''} {_numbers(route.robots)}"
-        robots = numbers if numbered else plain(", ".join(names), 40)
+        # with kinds several have the same number in their names
+        robots = numbers if numbered and not plan.mission.fleet.kinds else plain(", ".join(names), 40)
         if not route.duration_s:
             return f"{route.letter}: a place, {robots} in turns"
         return f"{route.letter}: {round_off(route.length_m)} m, {round_off(route.duration_s)} s, {robots} in turns"
