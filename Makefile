@@ -36,8 +36,9 @@ pictures: demo
 	$(BIN)/rota plan examples/harbour.yaml --effort quick -o out/at-once.rota.json
 	$(BIN)/rota draw out/at-once.rota.json -o docs/harbour.png
 	$(BIN)/rota rehearse out/at-once.rota.json --failures-per-hour 0.01 --speed-noise 2% -o docs/rehearsal.png
+	$(BIN)/rota plan examples/port-relief.yaml -o out/port-relief.rota.json
+	for name in farm warehouse-relief; do $(BIN)/rota plan examples/$$name.yaml --effort quick -o out/$$name.rota.json; done
 	for name in farm port-relief warehouse-relief; do \
-	  $(BIN)/rota plan examples/$$name.yaml --effort quick -o out/$$name.rota.json; \
 	  $(BIN)/rota animate out/$$name.rota.json --seconds 9 --fps 6 -o docs/$$name.gif; \
 	  $(BIN)/rota draw out/$$name.rota.json -o docs/$$name.png; done
 	$(BIN)/rota plan examples/coast.yaml -o out/coast.rota.json
