@@ -194,23 +194,23 @@ def test_kinds_that_charge_share_the_places_at_chargers() -> None:
         make_plan(with_kinds(CORRIDOR, *kinds, zones=(zone,), chargers=one))
 
 
-def test_kinds_use_one_place_in_turn_where_that_costs_less() -> None:
-    battery = BatteryLimits(endurance_s=500, recharge_s=50)
+def planned_at_one_place(recharge_s: float) -> Plan:
+    """The cheapest fleet of a fast robot, dear, and two slow ones, cheap, beside a charger of one place."""
+    battery = BatteryLimits(endurance_s=500, recharge_s=recharge_s)
     fast = Kind(name="fast", cost=2, battery=battery)
     slow = [Kind(name=f"slow{v}", cost=0.5, speed_m_s=v, most=1, battery=battery) for v in (5, 6)]
     plan = make_plan(with_kinds(CORRIDOR, fast, *slow, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
     assert check_plan(plan).verdict == "met"
-    assert [way.robot for way in plan] == ["slow5-1", "slow6-1"]
+    return plan
+
+
+def test_kinds_use_one_place_in_turn_where_that_costs_less() -> None:
+    assert [way.robot for way in planned_at_one_place(recharge_s=50)] == ["slow5-1", "slow6-1"]
 
 
 def test_a_kind_alone_is_planned_where_several_need_more_places_than_there_are() -> None:
     """One robot charges as long as it is away: another kind has no time at the charger."""
-    battery = BatteryLimits(endurance_s=500, recharge_s=450)
-    fast = Kind(name="fast", cost=2, battery=battery)
-    slow = [Kind(name=f"slow{v}", cost=0.5, speed_m_s=v, most=1, battery=battery) for v in (5, 6)]
-    plan = make_plan(with_kinds(CORRIDOR, fast, *slow, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
-    assert check_plan(plan).verdict == "met"
-    assert {way.robot.split("-")[0] for way in plan} == {"fast"}
+    assert {way.robot.split("-")[0] for way in planned_at_one_place(recharge_s=450)} == {"fast"}
 
 
 def test_the_ground_is_divided_by_what_groups_can_see() -> None:
