@@ -44,6 +44,9 @@ def test_a_rehearsal_is_told_drawn_and_given_as_json(
     [
         (["--failures-per-hour", "nan"], "--failures-per-hour: nan is not allowed; must be at least 0 and at most"),
         (["--failures-per-hour", "-1"], "--failures-per-hour: -1.0 is not allowed"),
+        (["--wind", "1,1e300"], "--wind: '1,1e300' is not allowed"),
+        (["--runs", "1e3"], '--runs: "1e3" is not allowed; a whole number is needed'),
+        (["-o", ""], "an empty path: no suffix is no format for a picture"),
         (["--hours", "0"], "--hours: 0.0 is not allowed; must be a finite number greater than 0"),
         (["--runs", "0"], "--runs: 0 is not allowed; must be 1 to 100000"),
         (["--speed-noise", "much"], "--speed-noise: 'much' is not allowed; a share is needed, such as 5% or 0.05"),

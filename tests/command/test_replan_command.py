@@ -57,6 +57,12 @@ def test_those_that_remain_may_not_be_enough(pair: Path, tmp_path: Path, capsys:
         (["--at", "3", "--late", "a=2", "--late", "a=5"], "--late: robot 'a' is given twice; once is allowed"),
         (["--at", "3", "--joined", "c=1,2", "--joined", "c=2,1"], "--joined: robot 'c' is given twice"),
         (["--at", "3", "--mission", "nowhere.yaml"], "nowhere.yaml"),
+        (["--at", "x"], '--at: "x" is not allowed; a number is needed'),
+        (["--at", "3", "--seed", "-1"], '--seed: "-1" is not allowed; it must be at least 0'),
+        (["--at", "3", "--joined", "c=1e300,2"], "--joined: c=1e+300,2.0 is not allowed; x,y in metres, from"),
+        (["--at", "3", "--joined", " =1,2"], "robot.name: ' ' is not allowed; must not be empty, nor blank"),
+        (["--at", "3", "--late", "a=1e12"], "seconds from 0 to 1e+10 are needed"),
+        (["--at", "3", "--battery", "a=0.5"], "--battery: a=0.5 is not allowed; batteries never run low in this plan"),
     ],
 )
 def test_bad_input_is_told_and_nothing_written(

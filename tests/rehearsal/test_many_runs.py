@@ -94,7 +94,7 @@ def test_intervals_are_those_of_tables() -> None:
         ({"speed_noise": 0.5}, "speed_noise: 0.5 is not allowed; must be at least 0 and at most 0.3"),
         ({"speed_noise": math.nan}, "speed_noise: nan is not allowed"),
         ({"wind_m_s": 1.0}, "wind_m_s: 1 is not allowed; r0 makes 1 m/s through the air and does not get on"),
-        ({"wind_from_deg": math.nan}, "wind_from_deg: nan is not allowed; must be a finite number"),
+        ({"wind_from_deg": math.nan}, "wind_from_deg: nan is not allowed; must be -360 to 360"),
         ({"runs": 0}, "runs: 0 is not allowed; must be 1 to 100000"),
         ({"seed": -1}, "seed: -1 is not allowed; must be a whole number of at least 0"),
     ],

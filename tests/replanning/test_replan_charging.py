@@ -16,6 +16,7 @@ from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
 from rota.check.lateness import lateness_of
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
+from rota.model.fleet import Kind
 from rota.model.mission import Charger
 from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.handover.charging.arrivals import Arrivals
@@ -209,6 +210,18 @@ def test_a_changed_mission_keeps_chargers_and_batteries() -> None:
     stronger = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=robots))
     with pytest.raises(MissionError, match="the battery of robot a in the changed mission is not as in the plan"):
         replan(plan, at_s=10.0, mission=stronger)
+
+
+def test_robots_of_kinds_have_the_batteries_of_their_kinds_in_a_changed_mission_too() -> None:
+    plan = relay(spare=False)
+    robot = plan.mission.fleet.robot("a")
+    plain = replace(plan.mission.fleet, battery=BatteryLimits(), robots=None)
+    kind = Kind(name="quad", cost=1, speed_m_s=robot.speed_m_s, battery=BATTERY)
+    mission = replace(plan.mission, fleet=replace(plain, kinds=(kind,)))
+    lines = tuple(replace(line, robot=f"quad-{k}") for k, line in enumerate(plan, start=1))
+    taken = replan(replace(plan, mission=mission, trajectories=lines), at_s=10.0, mission=mission)
+    assert taken.kept == ("quad-1", "quad-2", "quad-3")
+    assert taken.meets_demand
 
 
 @pytest.mark.parametrize("at_s", [0.0, 30.0, 36.0, 39.5, 43.0, 100.0])

@@ -69,11 +69,11 @@ def wind_given(text: str, otherwise: str) -> tuple[float, float | None]:
     """The speed of the wind and where it comes from, if the text says so; ``otherwise``: from where else, in words."""
     try:
         speed_m_s, *rest = (float(number) for number in text.split(","))
-        if len(rest) > 1 or not all(map(math.isfinite, (speed_m_s, *rest))) or speed_m_s < 0:
+        if len(rest) > 1 or not 0 <= speed_m_s < math.inf or not all(abs(from_deg) <= 360 for from_deg in rest):
             raise ValueError
     except ValueError:
         raise RotaError(
             f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
-            f" comes from, 0 north, 90 east; or M_S alone, such as 5: {otherwise}"
+            f" comes from, 0 north, 90 east, 360 at most; or M_S alone, such as 5: {otherwise}"
         ) from None
     return speed_m_s, rest[0] if rest else None

@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 from typer.main import get_command, get_group
 
 from rota.errors import RotaError
+from rota.model.refusals import refusal
 
 ENTRY_POINTS = "rota.commands"  # the group by which other distributions offer theirs, each a typer.Typer
 # a command of a distribution that is made beside this one: how to get it
@@ -31,6 +32,20 @@ class Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command of this name; None where there is none."""
         return super().get_command(ctx, cmd_name) or command_elsewhere(cmd_name)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that is asked for. RotaError for values of options of another type, or out of range."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as bad:
+            faults: list[dict[str, Any]] = getattr(
+                bad.__cause__, "errors", list
+            )()  # pydantic's, by which typer reads values
+            kinds = [each["type"].replace("_parsing", "_type") for each in faults]
+            told = [refusal(kind, each["input"], each.get("ctx", {})) for kind, each in zip(kinds, faults, strict=True)]
+            if bad.param is None or not any(told):
+                raise  # typer's own words name the value
+            raise RotaError(f"{bad.param.opts[0]}: {told[0]}") from None
 
 
 @cache

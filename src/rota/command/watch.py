@@ -85,7 +85,8 @@ def watch(
     if replay is not None:
         raise typer.Exit(_replay(answer, replay, every, as_json))
     made = chosen_link(link, answer, origin, settings)
-    raise typer.Exit(_watch(answer, made, chosen, log or _free_name(plan), seconds, every, as_json, replan))
+    log = _free_name(plan) if log is None else log
+    raise typer.Exit(_watch(answer, made, chosen, log, seconds, every, as_json, replan))
 
 
 # ---------------------------------------------------------------- what was asked

@@ -110,7 +110,7 @@ def require_suffix(path: str | os.PathLike[str], allowed: tuple[str, ...], what:
     if suffix.lower() not in allowed:
         given = repr(suffix) if suffix else "no suffix"
         needed = " or ".join([", ".join(allowed[:-1]), allowed[-1]] if len(allowed) > 1 else allowed)
-        raise RotaError(f"{path}: {given} is no format for {what}; {needed} is needed")
+        raise RotaError(f"{path or 'an empty path'}: {given} is no format for {what}; {needed} is needed")
     return suffix.lower()
 
 

@@ -24,6 +24,7 @@ from types import TracebackType
 from typing import IO, Any
 
 from rota.errors import RotaError
+from rota.files.atomic_write import require_writable
 from rota.files.plan_file import plan_text
 from rota.links.link import FAULTS
 from rota.live.events import Dropped, Event, Heard, Tick
@@ -55,6 +56,7 @@ class LogWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], plan: Plan, settings: WatchSettings) -> None:
+        require_writable(path)
         try:
             self._file: IO[str] = open(path, "x", encoding="ascii", newline="\n")  # noqa: SIM115 (closed by close)
         except FileExistsError:

@@ -285,7 +285,8 @@ class Fleet(Abilities):
         own, _, number = name.rpartition("-")
         found = next((kind for kind in self.kinds if kind.name == own and number.isdecimal() and int(number) > 0), None)
         if found is None:
-            raise MissionError(f"robot {name!r} is of no kind: {', '.join(f'{k.name}-1, ...' for k in self.kinds)}")
+            called = " or ".join(f"{kind.name}-1, {kind.name}-2, ..." for kind in self.kinds)
+            raise MissionError(f"fleet.kinds: robot {name!r} is of none of them; theirs are called {called}")
         return found
 
     def changing_speed_at_once(self) -> Fleet:

@@ -42,7 +42,7 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
         return "is missing; it is required"
     if kind in _NEEDED:
         needed = _NEEDED[kind]
-        quoted = isinstance(value, str) and needed.endswith("number") and _reads_as_number(value)
+        quoted = isinstance(value, str) and needed.endswith("number") and _reads_as_number(value, needed)
         unquoted = needed == "text" and isinstance(value, int | float | None)
         hint = "; remove the quotes" if quoted else "; put it in quotes" if unquoted else ""
         return f"{show_value(value)} is not allowed; {needed} is needed{hint}"
@@ -68,10 +68,10 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
     return otherwise
 
 
-def _reads_as_number(text: str) -> bool:
-    """Whether the text is a number without its quotes; YAML takes nan and inf for text, quotes or none."""
+def _reads_as_number(text: str, needed: str) -> bool:
+    """Whether the text is such a number without its quotes; YAML takes nan and inf for text, quotes or none."""
     try:
-        return math.isfinite(float(text))
+        return math.isfinite(int(text) if needed == _NEEDED["int_type"] else float(text))
     except ValueError:
         return False
 
@@ -111,7 +111,7 @@ def require_text(where: str, name: str) -> None:
 
     Control characters move the cursor or begin a line; marks of the writing direction turn round what stands beside.
     """
-    require(bool(name), where, name, "must not be empty")
+    require(bool(name.strip()), where, name, "must not be empty, nor blank")
     halves = [letter for letter in name if 0xD800 <= ord(letter) <= 0xDFFF]
     require(not halves, where, name, "must be text; lone surrogates are half a character each")
     allowed = "must be one line of text, without control characters and marks of the writing direction"

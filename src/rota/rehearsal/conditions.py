@@ -44,8 +44,8 @@ class Conditions:
         ok = 0 <= self.speed_noise <= MOST_NOISE
         require(ok, "speed_noise", self.speed_noise, f"must be at least 0 and at most {MOST_NOISE:g}")
         require(0 <= self.wind_m_s < math.inf, "wind_m_s", self.wind_m_s, "must be a number of at least 0")
-        ok = self.wind_from_deg is None or math.isfinite(self.wind_from_deg)
-        require(ok, "wind_from_deg", self.wind_from_deg, "must be a finite number")
+        ok = self.wind_from_deg is None or abs(self.wind_from_deg) <= 360
+        require(ok, "wind_from_deg", self.wind_from_deg, "must be -360 to 360")
 
         ok = 0 <= self.late_relief_s <= MOST_LATE_S
         require(ok, "late_relief_s", self.late_relief_s, f"must be at least 0 and at most {MOST_LATE_S:g}")

@@ -71,9 +71,7 @@ def require_same_batteries(plan: Plan, changed: Mission, lost: Collection[str]) 
     for line in plan:
         if line.robot in lost or (listed and line.robot not in listed):
             continue
-        was, now = plan.mission.fleet.robot(line.robot).battery, None
-        now = (changed.fleet.robot(line.robot) if listed else changed.fleet.equal_robot(line.robot)).battery
-        if was != now:
+        if plan.mission.fleet.robot(line.robot).battery != changed.fleet.robot(line.robot).battery:
             raise MissionError(
                 f"fleet: the battery of robot {line.robot} in the changed mission is not as in the plan; give its"
                 f" {', '.join(BATTERY_FIELDS)} as they were"

@@ -11,7 +11,7 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground, nearest_free_point, standing_space
-from rota.model.limits import LONGEST_S
+from rota.model.limits import LARGEST_M, LONGEST_S
 from rota.model.mission import TOUCH_M, Fleet, Mission, Obstacle, Robot, Sensor
 from rota.model.plan import Driven, Plan, Seam, Trajectory
 from rota.model.polygons import polygons_of
@@ -104,19 +104,22 @@ def _require_right(plan: Plan, change: Change) -> None:
         if name not in names or name in change.lost:
             raise MissionError(f"late: robot {name!r} is {'lost' if name in names else 'not in the plan'}; {has}")
         if not 0 <= late_s <= LONGEST_S:
-            raise MissionError(f"late: {name}={late_s!r} is not allowed; seconds from 0 on are needed")
+            raise MissionError(f"late: {name}={late_s!r} is not allowed; seconds from 0 to {LONGEST_S:g} are needed")
     for name, place in change.joined.items():
         if name in names and name not in change.lost:
             raise MissionError(f"joined: robot {name!r} is in the plan already; give it another name, or as lost, too")
-        if not all(map(math.isfinite, place)):
+        if not all(abs(at_m) <= LARGEST_M for at_m in place):
             raise MissionError(
-                f"joined: {name}={place[0]},{place[1]} is not allowed; two numbers, x,y in metres, are needed"
+                f"joined: {name}={place[0]},{place[1]} is not allowed; x,y in metres, from {-LARGEST_M:g} to"
+                f" {LARGEST_M:g}, are needed"
             )
     for name, share in change.battery.items():
         if name not in change.joined and (name not in names or name in change.lost):
             raise MissionError(f"battery: robot {name!r} is {'lost' if name in names else 'not in the plan'}; {has}")
         if not 0 <= share <= 1:
             raise MissionError(f"battery: {name}={share!r} is not allowed; 0 (empty) to 1 (full) is needed")
+        if all(robot.battery.endurance_s is None for robot in plan.mission.fleet.unlike_robots):
+            raise MissionError(f"battery: {name}={share!r} is not allowed; batteries never run low in this plan")
     if not set(names) - set(change.lost) and not change.joined:
         raise MissionError(f"lost: all of {', '.join(names)}: no robot remains; give some that join")
 
