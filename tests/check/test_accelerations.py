@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from typing import Any
 
@@ -322,7 +323,7 @@ def test_where_a_plan_takes_over_changes_nothing_about_the_jerk() -> None:
     assert refused > 0
 
 
-@pytest.mark.parametrize("beside_s", [-1e-4, -5e-5, -3e-5, 0.0, 3e-5, 5e-5, 1e-4])
+@pytest.mark.parametrize("beside_s", [-1e-4, -5e-5, -3e-5, -2e-5, -2e-6, 0.0, 5e-6, 2e-5, 3e-5, 5e-5, 1e-4])
 def test_a_loop_that_begins_a_moment_beside_a_jump_of_acceleration_hides_no_jerk(beside_s: float) -> None:
     """From 5 m/s by 2 m/s2 for 0.6 s, held for 3 s, and gently back: 2 m/s2 from the middle of 0.6 s to that of 3 s."""
     ways, corner_s = np.array([(5, 0), (0, 5), (-5, 0), (0, -5)], float), math.hypot(5, 5)
@@ -335,7 +336,48 @@ def test_a_loop_that_begins_a_moment_beside_a_jump_of_acceleration_hides_no_jerk
         legs += [*side, *tangents(way, (after - way) / corner_s, corner_s, 7)]
     way = go_on(driven(legs, loop=True), 4.6 + beside_s)
     wrong = [each.value for each in found(way, acceleration_m_s2=3, jerk_m_s3=0.5) if each.kind == "jerk"]
-    assert max(wrong) == pytest.approx(2 / ((0.6 + 3) / 2), rel=2e-4)
+    assert max(wrong) == pytest.approx(2 / ((0.6 + 3) / 2), rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_points_beside_jumps_of_acceleration_hide_no_jerk(seed: int) -> None:
+    """From rest to rest in phases, with points a millionth to a hundredth of a second beside their ends."""
+    rng = np.random.default_rng(seed)
+    lasts_s, most = (
+        np.append(3.0, rng.uniform(0.3, 3, 5)),
+        np.append(3.0, rng.uniform(0.2, 0.9, 5) * [-1, 1, -1, 1, -1]),
+    )
+    lasts_s, most = np.append(lasts_s, lasts_s @ most / 2.5), np.append(most, -2.5)
+    ends_s, speeds = np.cumsum(lasts_s), np.append(0, np.cumsum(lasts_s * most))
+    beside = rng.choice([-1, 1], 18) * 10 ** rng.uniform(-6, -2, 18)
+    times_s = np.sort(np.concatenate([[0.0], ends_s, np.repeat(ends_s[:-1], 3) + beside]))
+    legs = []
+    for from_s, until_s in itertools.pairwise(times_s):
+        k = int(np.searchsorted(ends_s, (from_s + until_s) / 2))
+        mean = speeds[k] + most[k] * ((from_s + until_s) / 2 - ends_s[k] + lasts_s[k])
+        legs.append((until_s - from_s, np.array([mean, 0.0]), float(most[k])))
+    jerk_m_s3 = max(np.abs(np.diff(most)) / ((lasts_s[1:] + lasts_s[:-1]) / 2))
+    told = [each.value for each in found(driven(legs), acceleration_m_s2=20, jerk_m_s3=1e-3) if each.kind == "jerk"]
+    assert max(told) > 0.99 * jerk_m_s3
+
+
+@pytest.mark.parametrize("beside_s", [2e-6, 1e-5, 2e-5, 1e-4])
+def test_a_point_beside_a_jump_of_acceleration_leaves_a_corner_no_room(beside_s: float) -> None:
+    """A robot that brakes into a corner, as if a point just behind where it begins to brake were not there."""
+    after = np.array([2.9, 0.7])
+
+    def way(*brakes: tuple[float, Any, float]) -> Trajectory:
+        return driven([ramp((1, 0), 0, 5, 2.4), (3.0, np.array([5.0, 0.0]), 0.0), *brakes, (3.0, after, 0.0)])
+
+    whole = way(ramp((1, 0), 5, 3, 2))
+    cut = way(ramp((1, 0), 5, 5 - 2 * beside_s, 2), ramp((1, 0), 5 - 2 * beside_s, 3, 2))
+    corners = [
+        [each.value for each in found(one, acceleration_m_s2=2.4) if each.kind == "corner acceleration"]
+        for one in (whole, cut)
+    ]
+    window_s = 4 * OFF_M / math.hypot(0.1, 0.7)
+    assert corners[0] == pytest.approx([math.hypot(2 + 0.1 / (2 * window_s), 0.7 / (2 * window_s))])
+    assert corners[1] == pytest.approx(corners[0], rel=1e-3)
 
 
 # ------------------------------------------------------------------ what a kept plan promises

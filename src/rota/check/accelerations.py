@@ -39,6 +39,7 @@ PIECES_S, COARSE = (
 )  # of what is judged in pieces, which differ in length: by this much more than the limits
 FAR_BEYOND = 10  # times what rounding may make of a jump: then it says little of it
 MOST_ROUNDED_M_S = 1e-2  # that rounding may add up to over all short legs of a round before they are judged in pieces
+MOMENTS_S = 1e-3, 1e-2, 0.1  # legs that are shorter may be told too vaguely to say whether those beside are one
 LEAST_LEFT = 1e-12  # of the square of a limit in m/s2 that a leg leaves for a jump: a window for it is then very long
 
 
@@ -198,7 +199,7 @@ def _without_cuts(motion: _Motion, at: tuple[int, ...] | None = None) -> _Motion
     is_cut = (_sizes(motion.begin_m_s[1:] - motion.end_m_s[:-1]) <= noise) & (changes <= noise)
     if at is not None:
         is_cut &= np.isin(motion.points[1:], at)
-    first = np.flatnonzero(np.append(True, ~is_cut))
+    first = _first_legs(~is_cut, motion, motion.acceleration_m_s2, motion.noise_m_s, per_s=False)
     last = np.append(first[1:], len(motion.lasts_s)) - 1
     return _Motion(
         begin_m_s=motion.begin_m_s[first],
@@ -208,6 +209,23 @@ def _without_cuts(motion: _Motion, at: tuple[int, ...] | None = None) -> _Motion
         noise_m_s=np.maximum.reduceat(motion.noise_m_s, first),
         points=motion.points[first],
     )
+
+
+def _first_legs(parts: Flags, motion: _Motion, acceleration_m_s2: Floats, noise: Floats, *, per_s: bool) -> Ints:
+    """The first leg of each row. parts: (n - 1,) where a leg ends a row by what is told of it and the next one.
+
+    A moment's leg is told too vaguely to differ from either of its neighbours, and would make one row of both: where
+    these differ, the later one begins a row. noise: of legs' accelerations (per_s), or of their velocities.
+    """
+    first = np.append(0, np.flatnonzero(parts) + 1)
+    for moment_s in MOMENTS_S:
+        tell = np.flatnonzero(motion.lasts_s >= moment_s)
+        shorter_s = np.minimum(motion.lasts_s[tell[1:]], motion.lasts_s[tell[:-1]])
+        over_s = 1.0 if per_s else np.where(np.isinf(shorter_s), 0.0, shorter_s)
+        differ = _sizes(np.diff(acceleration_m_s2[tell], axis=0)) * over_s > noise[tell[1:]] + noise[tell[:-1]]
+        row = np.searchsorted(first, tell, side="right")
+        first = np.union1d(first, tell[1:][differ & (np.diff(row) == 0)])
+    return first
 
 
 def _along_violations(trajectory: Trajectory, most_m_s2: float) -> list[Violation]:
@@ -299,8 +317,9 @@ def _jerk_violations(trajectory: Trajectory, motion: _Motion, most_m_s3: float, 
     acceleration = change / motion.lasts_s[:, None]
     noise_m_s = motion.noise_m_s + np.maximum(np.append(motion.noise_m_s[1:], 0), np.append(0, motion.noise_m_s[:-1]))
     noise = noise_m_s / motion.lasts_s
-    other = _sizes(np.diff(acceleration, axis=0)) > noise[1:] + noise[:-1] + ACCELERATION_TOLERANCE * most_m_s3
-    first = np.concatenate([[0], np.flatnonzero(other) + 1])
+    noise += ACCELERATION_TOLERANCE * most_m_s3 / 2
+    other = _sizes(np.diff(acceleration, axis=0)) > noise[1:] + noise[:-1]
+    first = _first_legs(other, motion, acceleration, noise, per_s=True)
     lasts_s = np.add.reduceat(motion.lasts_s, first)
     phase = np.add.reduceat(change, first) / lasts_s[:, None]
     noise = np.maximum.reduceat(noise_m_s, first) / lasts_s  # a moment's leg makes a phase no vaguer
