@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,10 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
+from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.relief.two_ways import passing_ways
+from rota.planners.patrol.relief.ways import Ways
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
 BODY_M = 0.5
 POST = Zone(name="post", shape=shapely.MultiPolygon([shapely.box(44, 4, 48, 8)]), period_s=4, demand="visit")
@@ -45,6 +50,37 @@ def test_robots_relieve_each_other_where_a_period_is_shorter_than_the_ways_there
     assert 2 * BODY_M <= apart_m.min() < 2 * BODY_M * 1.2
 
 
+@pytest.mark.parametrize(
+    "slow",
+    [
+        {"turn_rate_rad_s": 1.0},
+        {"motion": MotionLimits(acceleration_m_s2=2.5)},
+        {"motion": MotionLimits(acceleration_m_s2=2.5, jerk_m_s3=5, corner_m=1)},
+    ],
+)
+def test_so_do_robots_that_take_time_to_turn_or_to_change_speed(slow: dict[str, Any]) -> None:
+    mission = dataclasses.replace(EVERY_POINT, fleet=dataclasses.replace(EVERY_POINT.fleet, **slow))
+    plan = make_plan(mission)
+    assert check_plan(plan).verdict == "met"
+    assert len(plan) <= 3
+    moments_s = np.arange(0, plan.trajectories[0].loop_duration_s, 0.01)
+    least_m = np.inf
+    for one, other in itertools.combinations([robot.at(moments_s) for robot in plan], 2):
+        away = ((one != mission.chargers[0].at) & (other != mission.chargers[0].at)).any(
+            axis=1
+        )  # on it bodies are none
+        least_m = min(least_m, np.hypot(*(one - other)[away].T).min())
+    assert 2 * BODY_M <= least_m < 2 * BODY_M * 1.4
+
+
+def test_who_gets_up_speed_passes_after_a_pause_as_long_as_half_of_it_takes_for_a_radius_and_a_half() -> None:
+    """At a 2.5 m/s2 both are 3/2 r from the post in the middle of the pause: it lasts the root of 12 r / a."""
+    robot = dataclasses.replace(MISSION.fleet, motion=MotionLimits(acceleration_m_s2=2.5)).equal_robot("robot-1")
+    found = Ways(robot, PathsByBody(MISSION)).passing(np.array([6.0, 6.0]), np.array([45.0, 6.0]), 3 * BODY_M / 4)
+    assert found is not None
+    assert 1 <= found.pause_s / math.sqrt(12 * BODY_M / 2.5) < 1.1
+
+
 def paths_in(mission: Mission) -> ShortestPaths:
     return ShortestPaths(standing_space(mission, BODY_M))
 
@@ -57,9 +93,9 @@ def test_ways_that_pass_are_at_right_angles_at_the_post_and_clear_of_walls(walls
     found = passing_ways(paths_in(mission), charger_m, post_m, 1.5)
     assert found is not None
     there_m, back_m = found
-    assert [there_m[0].tolist(), back_m[-1].tolist()] == [charger_m.tolist()] * 2
-    assert [there_m[-1].tolist(), back_m[0].tolist()] == [post_m.tolist()] * 2
-    comes, goes = there_m[-2] - post_m, back_m[1] - post_m
+    assert [there_m[0].tolist(), back_m[0].tolist()] == [charger_m.tolist()] * 2
+    assert [there_m[-1].tolist(), back_m[-1].tolist()] == [post_m.tolist()] * 2
+    comes, goes = there_m[-2] - post_m, back_m[-2] - post_m
     assert (np.hypot(*comes), np.hypot(*goes), comes @ goes) == pytest.approx((1.5, 1.5, 0), abs=1e-9)
     for (a, b), wall in itertools.product([*itertools.pairwise(there_m), *itertools.pairwise(back_m)], walls):
         assert shapely.distance(shapely.LineString([a, b]), wall) >= BODY_M - 1e-9

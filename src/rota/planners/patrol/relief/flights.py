@@ -41,7 +41,7 @@ def _job_line(job: Job, slot: Slot, own: Handovers, ways: Ways) -> tuple[float, 
     ends = own.at_phase(begins_phase_s + shift.rounds * line.duration_s, line.duration_s)
     way_s = float(own.ways_s[job.handover])
     if own.passing is not None:
-        into, back = own.passing
+        into, back, _ = own.passing
     else:
         into = ways.into(charger_m, line, begins_phase_s, slower, way_s)
         back = ways.back(charger_m, line, float(own.phases_s[ends]), slower, float(own.ways_s[ends]))

@@ -215,8 +215,8 @@ def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most
         pause_s = np.minimum(min(slot.most_s, most_pause_s), each_s - slot.least_s)
         possible = pause_s >= 0
         if own.passing is not None:
-            possible = pause_s >= clearance_s
-            pause_s = np.full(len(turns_s), clearance_s)
+            possible = pause_s >= own.passing.pause_s
+            pause_s = np.full(len(turns_s), own.passing.pause_s)
         elif clearance_s > 0:
             pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
         yield jobs, 1.0, each_s - pause_s, way_s, possible

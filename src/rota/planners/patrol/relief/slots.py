@@ -13,7 +13,7 @@ from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady, stretch
-from rota.planners.patrol.relief.ways import Ways
+from rota.planners.patrol.relief.ways import Passing, Ways
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
 from rota.planners.patrol.verdict import Judge
 
@@ -64,7 +64,7 @@ class Handovers:
     phases_s: Floats
     places_m: Floats
     ways_s: Floats
-    passing: tuple[TimedLine, TimedLine] | None = None
+    passing: Passing | None = None
 
     @property
     def nearest(self) -> int:
@@ -199,9 +199,10 @@ def _with_passing(slot: Slot, own: Handovers, ways: Ways, clearance_s: float) ->
     if not slot.line.stays or clearance_s == 0 or longest_s < 0 or 2 * float(own.ways_s[0]) <= longest_s:
         return own
     passing = ways.passing(np.array(own.charger.at), own.places_m[0], clearance_s)
-    if passing is None:
+    if passing is None or passing.pause_s > slot.most_s:
         return own
-    return replace(own, ways_s=np.array([max(line.duration_s for line in passing)]), passing=passing)
+    longer_s = max(passing.there.duration_s, passing.back.duration_s)
+    return replace(own, ways_s=np.array([longer_s]), passing=passing)
 
 
 def spots_s(line: TimedLine) -> Floats:

@@ -2,7 +2,8 @@
 
 Who comes and who goes meet beside the post, half way through the pause between them. On one way they would touch; on
 two that are at right angles there, straight for as far as a robot comes in the pause, their centres are at the nearest
-that far apart by the square root of two.
+that far apart by the square root of two. Robots that take time to turn or to change speed pass each other as far apart,
+after a longer pause.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from rota.planners.patrol.tolerances import SAME_PLACE_M
 def passing_ways(
     paths: ShortestPaths, charger_m: Floats, post_m: Floats, straight_m: float
 ) -> tuple[Floats, Floats] | None:
-    """A way (k, 2) from a charger to a post, and one from there back, at right angles for ``straight_m`` at the post.
+    """Two ways (k, 2) from a charger to a post, at right angles for ``straight_m`` there: to come by, and to go back.
 
     None: walls leave no room for them, no way leads there, or the charger is as near.
     """
@@ -38,6 +39,6 @@ def passing_ways(
         beside_m = post_m + straight_m * np.column_stack([np.cos(turned_rad), np.sin(turned_rad)])
         if not free_segments(beside_m, np.vstack([post_m, post_m]), paths.grid).all():
             continue
-        there_m, back_m = (np.vstack([paths.path(charger_m, each), post_m]) for each in beside_m)
-        return there_m, back_m[::-1]
+        comes_m, goes_m = (np.vstack([paths.path(charger_m, each), post_m]) for each in beside_m)
+        return comes_m, goes_m
     return None

@@ -16,11 +16,12 @@ from rota.model.mission import Robot
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
 from rota.planners.patrol.relief.two_ways import passing_ways
-from rota.planners.patrol.tolerances import SAME_PLACE_M
+from rota.planners.patrol.tolerances import ROUNDING, SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
 from rota.planners.patrol.traffic.starts.approaches import timed_approach
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
+PAUSES = 50  # between robots that pass each other beside a post, each by a tenth longer, that are tried
 MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a battery lasts for whole rounds from there
 
 
@@ -53,6 +54,14 @@ class Way:
     def line_to(self, slower: float) -> TimedLine:
         """The way to such a round. Its run-up takes as much longer: so it ends as fast as the round goes."""
         return chain(self.line, stretch(self.run_up, slower))
+
+
+class Passing(NamedTuple):
+    """Ways from a charger to a post and back on which robots pass each other that are there ``pause_s`` apart."""
+
+    there: TimedLine
+    back: TimedLine
+    pause_s: float
 
 
 class Ways:
@@ -92,16 +101,24 @@ class Ways:
         ways = [self.way(charger_m, at) for at in both]
         return max(math.inf if way is None else way.lasts_s(slower) for way in ways)
 
-    def passing(self, charger_m: Floats, post_m: Floats, pause_s: float) -> tuple[TimedLine, TimedLine] | None:
-        """Ways from a charger to a post and back on which robots pass each other that are there ``pause_s`` apart.
+    def passing(self, charger_m: Floats, post_m: Floats, clearance_s: float) -> Passing | None:
+        """Ways to a post on which robots pass each other; None: walls leave no room, or robots turn on arcs.
 
-        None: walls leave no room for them, or robots take time to turn or to change speed.
+        clearance_s: how long after each other they are there if they change speed at once.
         """
-        speed_m_s = self._robot.ground_speed_m_s
-        if not self._at_once or (lines := passing_ways(self.paths, charger_m, post_m, pause_s * speed_m_s)) is None:
+        robot, straight_m = self._robot, clearance_s * self._robot.ground_speed_m_s
+        if robot.turn_radius_m or (lines := passing_ways(self.paths, charger_m, post_m, straight_m)) is None:
             return None
-        there, back = (steady(_along_m(line_m) / speed_m_s, line_m) for line_m in lines)
-        return there, back
+        if self._at_once:
+            there, gone = (steady(_along_m(line_m) / robot.ground_speed_m_s, line_m) for line_m in lines)
+            return Passing(there, gone.backwards(), clearance_s)
+        there, gone = (timed_approach(line_m, robot).line for line_m in lines)
+        for pause_s in clearance_s * 1.1 ** np.arange(PAUSES):
+            moments_s = np.linspace(0.0, pause_s, 200)
+            apart_m = there.at(there.duration_s - pause_s + moments_s) - gone.at(gone.duration_s - moments_s)
+            if np.hypot(*apart_m.T).min() >= straight_m / math.sqrt(2) * (1 - ROUNDING):
+                return Passing(there, gone.backwards(), float(pause_s))
+        return None
 
     def into(self, charger_m: Floats, line: TimedLine, phase_s: float, slower: float, lasts_s: float) -> TimedLine:
         """The way from a charger into a round that is ``slower`` times as long as its line; lasts_s: at most."""
