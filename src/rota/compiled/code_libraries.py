@@ -14,9 +14,11 @@ from contextlib import contextmanager
 from typing import Any
 
 from numba import types
-from numba.core import compiler
+from numba.core import compiler, transforms
+from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler
+from numba.core.postproc import PostProcessor
 from numba.core.runtime import rtsys
 from numba.core.targetconfig import ConfigStack
 from numba.core.types.functions import BaseFunction
@@ -24,10 +26,13 @@ from numba.core.types.functions import BaseFunction
 OF_ENTRIES = ("no_cpython_wrapper", "no_cfunc_wrapper", "release_gil")  # flags of who calls, not of what is called
 # of the garbage collector: what is compiled stays, and looking through it all again and again took a sixth of the time
 YOUNG, MIDDLE, OLD = 100_000, 100, 1000
-NUMBERS = (types.Boolean, types.Integer, types.Float)
-# signatures of operators and functions of numbers, with the keys of their code: by them, their types and the flags
+REMEMBERED = (types.Boolean, types.Integer, types.Float, types.Array, types.UniTuple)
+# signatures of operators and functions of such, with the keys of their code: by them, their types and the flags
 _CALLS: dict[Any, Any] = {}
 _call_type: Any = BaseFunction.get_call_type
+_SIZES: dict[str, int] = {}  # bytes of LLVM's types
+_size: Any = BaseContext.get_abi_sizeof
+_post_process: Any = PostProcessor.run
 
 
 class _WithoutEnvironments:
@@ -43,6 +48,14 @@ class _WithoutEnvironments:
         """Nothing: there is no such place yet."""
 
 
+class MachineCode(JITCodeLibrary):
+    """Code that becomes machine code, and is optimised once, as a whole."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        """Nothing: numba would optimise each function before, and then all of them again with what they take in."""
+        module.data_layout = self._codegen._data_layout
+
+
 class TakenIn(JITCodeLibrary):
     """Code that callers take in, kept as it was lowered; the interpreter cannot call it."""
 
@@ -55,6 +68,14 @@ class TakenIn(JITCodeLibrary):
         """Take in what the code calls, but for numba's own runtime, which whoever takes in this has already."""
         self._linking_libraries = [library for library in self._linking_libraries if library is not rtsys.library]
         super().finalize()
+
+    def _optimize_functions(self, module: Any) -> None:
+        """Optimise each function that is there: numba would set out to do so with those, too, that are only named."""
+        module.data_layout = self._codegen._data_layout
+        for function in module.functions:
+            if not function.is_declaration:
+                passes, builder = self._codegen._function_pass_manager()
+                passes.run(function, builder)
 
     def _optimize_final_module(self) -> None:
         """Nothing: callers optimise what they take in."""
@@ -99,13 +120,13 @@ def _flags_of_kernels(_: _FunctionCompiler, flags: compiler.Flags) -> compiler.F
 
 
 def _remembered_call_type(self: Any, context: Any, args: tuple[types.Type, ...], keywords: Any) -> Any:
-    """The signature of a call, looked up where all arguments are numbers and not all are written in the code.
+    """The signature of a call, looked up where all arguments are numbers or arrays and not all stand in the code.
 
     numba would try some ten ways to add for arrays, dates and strings at each sum in each kernel.
     """
     plain = tuple(map(types.unliteral, args))
-    of_numbers = not keywords and all(isinstance(kind, NUMBERS) for kind in plain)
-    if not of_numbers or all(isinstance(kind, types.Literal) for kind in args):
+    is_known = not keywords and all(isinstance(kind, REMEMBERED) for kind in plain)
+    if not is_known or all(isinstance(kind, types.Literal) for kind in args):
         return _call_type(self, context, args, keywords)
     key = self, plain, ConfigStack.top_or_none()
     if key in _CALLS:
@@ -117,21 +138,49 @@ def _remembered_call_type(self: Any, context: Any, args: tuple[types.Type, ...],
     return signature
 
 
+def _remembered_size(self: Any, kind: Any) -> int:
+    """How many bytes a type of LLVM's takes, which numba asks LLVM anew for each variable."""
+    name = str(kind)
+    if name not in _SIZES:
+        _SIZES[name] = _size(self, kind)
+    return _SIZES[name]
+
+
+def _post_process_once(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+    """Work out how long variables live where the code is lowered: numba would after each pass, for nobody."""
+    if emit_dels or self.func_ir.is_generator:
+        _post_process(self, emit_dels, extend_lifetimes)
+    else:
+        self.func_ir.blocks = transforms.canonicalize_cfg(self.func_ir.blocks)
+        self.func_ir.generator_info = None
+
+
+# what is otherwise while kernels compile
+REPLACED = (
+    (_FunctionCompiler, "_customize_flags", _flags_of_kernels),
+    (BaseFunction, "get_call_type", _remembered_call_type),
+    (BaseContext, "get_abi_sizeof", _remembered_size),
+    (PostProcessor, "run", _post_process_once),
+)
+
+
 @contextmanager
 def take_in(context: Any) -> Iterator[None]:
     """Whatever numba compiles meanwhile is taken in by kernels; under numba's lock, which keeps other threads out."""
-    customised, thresholds = _FunctionCompiler._customize_flags, gc.get_threshold()
-    _FunctionCompiler._customize_flags = _flags_of_kernels
-    BaseFunction.get_call_type = _remembered_call_type
+    before, thresholds = [getattr(owner, name) for owner, name, _ in REPLACED], gc.get_threshold()
+    for owner, name, ours in REPLACED:
+        setattr(owner, name, ours)
     gc.set_threshold(YOUNG, MIDDLE, OLD)
     try:
         with _libraries(context.codegen(), TakenIn):
             yield
     finally:
+        if thresholds[0] != YOUNG and not gc.get_freeze_count():  # the outermost
+            gc.freeze()
+            gc.unfreeze()  # all that is young counts as old: the collector need not look through it at once
         gc.set_threshold(*thresholds)
-        _FunctionCompiler._customize_flags = customised
-        if customised is not _flags_of_kernels:  # the outermost
-            BaseFunction.get_call_type = _call_type
+        for (owner, name, _), theirs in zip(REPLACED, before, strict=True):
+            setattr(owner, name, theirs)
 
 
 @contextmanager
@@ -147,7 +196,7 @@ def _libraries(codegen: Any, made: type[JITCodeLibrary]) -> Iterator[None]:
 
 def new_library(context: Any, name: str, *, is_taken_in: bool) -> Any:
     """An empty library, of machine code or of code that callers take in."""
-    library = (TakenIn if is_taken_in else JITCodeLibrary)(context.codegen(), name)
+    library = (TakenIn if is_taken_in else MachineCode)(context.codegen(), name)
     library.enable_object_caching()
     return library
 
