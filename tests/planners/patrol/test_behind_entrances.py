@@ -53,7 +53,7 @@ def test_nobody_is_sent_behind_a_slit_and_what_is_hidden_there_is_left_out() -> 
 def test_a_gap_must_be_wider_than_the_body_to_be_a_way_in() -> None:
     for slit_m, leads_in in [(0.4, False), (0.4005, False), (0.402, True)]:
         mission = yard(slit_m, entrances=(OUTSIDE,))
-        space, _, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+        space = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0).whole
         assert (len(space.geoms), space.covers(shapely.Point(NICHE))) == (1, leads_in)
     assert check_plan(rota.make_plan(yard(0.4, entrances=(OUTSIDE,)))).verdict == "met"
 
@@ -66,7 +66,7 @@ def test_coarse_arcs_close_no_way_in() -> None:
     )
     assert len(standing_anywhere(mission, 0.2, arc_corners=16).geoms) == 2
     assert standing_space(mission, 0.2).covers(shapely.Point(11, 4))
-    space, _, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+    space = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0).whole
     assert space.covers(shapely.Point(11, 4))
 
 
@@ -113,7 +113,7 @@ def test_an_entrance_where_a_body_touches_a_wall_leads_in() -> None:
         mission = replace(corridor, fleet=fleet)
         for arc_corners in (8, 16, 256):
             assert len(standing_space(mission, 0.2, arc_corners=arc_corners).geoms) == 1
-        space, sure, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+        space, sure, *_ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
         assert (len(space.geoms), len(sure.geoms)) == (1, 1)
 
 

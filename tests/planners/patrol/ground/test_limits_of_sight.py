@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from shapely import MultiPolygon, Point, Polygon, affinity, box
 import rota
 from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.ground.limits_of_sight import (
     FEW_CORNERS,
     area_in_range,
@@ -186,3 +188,29 @@ def test_a_tiny_unseeable_place_is_refused_in_words() -> None:
     )  # fmt: skip
     with pytest.raises(rota.NoPlanFound, match=r"less than 0\.01 m2 \(0\.0% of what is asked\)"):
         set_up_problem(mission)
+
+
+def field(closed: Polygon, **limits: Any) -> Mission:
+    """A field of 20 m x 16 m about a no-fly zone that one can look into, for robots with mass and a reach of 2 m."""
+    return Mission(
+        name="field",
+        area=MultiPolygon([box(0, 0, 20, 16)]),
+        obstacles=(Obstacle(shape=MultiPolygon([closed]), blocks="motion"),),
+        period_s=400.0,
+        fleet=Fleet(
+            speed_m_s=1.0,
+            sensor=DiscSensor(radius_m=2),
+            motion=MotionLimits(acceleration_m_s2=1.0, corner_m=0.5, **limits),
+        ),
+        planning=PatrolSettings(effort="quick"),
+    )
+
+
+def test_corners_are_cut_less_where_what_is_asked_is_seen_only_from_beside_a_wall() -> None:
+    # corners cut by 0.5 m keep polylines 0.5 m off the zone: they see 1.5 m of it from both sides
+    cut_m = [set_up_problem(field(box(6, 6, 6 + w, 11))).robot.motion.corner_m for w in (2.9, 3.4, 3.8, 3.995)]
+    assert cut_m == [0.5, 0.25, 0.0625, 0.0]
+    # who flies by its firmware does not choose
+    assert set_up_problem(field(box(6, 6, 9.8, 11), vehicle="arducopter")).robot.motion.corner_m == 0.5
+    plan = rota.make_plan(field(box(6, 6, 9.8, 11)))
+    assert rota.check_plan(plan).verdict == "met"

@@ -140,7 +140,7 @@ def set_up_problem(
     robot, regions = common_robot(mission.fleet), demanded_regions(mission)
     margin_m = range_margin(inner_reach_m(robot.sensor))
     roomy = with_fewer_corners(mission, inner_reach_m(robot.sensor), robot.body_radius_m)
-    space, sure_space, at_limit = space_for(roomy, regions, robot, margin_m)
+    space, sure_space, at_limit, robot = space_for(roomy, regions, robot, margin_m)
     go_on()
     walls = sight_walls(mission)
     sure_sight = Sight(sure_space, walls, robot, 0.0)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import shapely
@@ -19,6 +20,7 @@ from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.tolerances import SLIVER_M2
+from rota.vehicles.models import MODELS
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 POCKET_ARC_CORNERS = 128  # the same beside pockets of the space, which coarse arcs would part from it
@@ -29,13 +31,15 @@ CLEARANCE = 2e-3  # of its radius by which a body keeps off walls on its way fro
 class StandingSpace(NamedTuple):
     """Where the robot's centre may be.
 
-    sure: the part of it in which the check, too, has robots stand: all, unless the fleet has entrances. Proofs count on
-    what is seen from there. at_limit: what is asked reaches to the limit of what is seen from the whole.
+    robot: it, with corners that it cuts no more than walls allow. sure: the part of it in which the check, too, has
+    robots stand: all, unless the fleet has entrances. Proofs count on what is seen from there. at_limit: what is asked
+    reaches to the limit of what is seen from the whole.
     """
 
     whole: MultiPolygon
     sure: MultiPolygon
     at_limit: bool
+    robot: Robot
 
 
 def space_for(
@@ -46,15 +50,19 @@ def space_for(
     The walls of a scanned floor follow its pixels, as the border of where robots can stand then does. Much is seen only
     from the very line of another wall, that is only if bodies may touch walls a little.
 
-    Where robots cut corners, their polylines keep so much farther off walls. Corners are rounded finely where they do,
-    or where a zone to visit can be entered only so. Raises NoPlanFound where the robot can stand nowhere at all, or
-    nowhere in a zone to visit.
+    Where robots cut corners, their polylines keep so much farther off walls. Where what is asked can be seen only from
+    nearer, or a zone to visit be entered only there, they cut corners half as much, a quarter, an eighth, or stop at
+    each, if they choose that themselves. Corners of the space are rounded finely where that is not enough. Raises
+    NoPlanFound where the robot can stand nowhere at all, or nowhere in a zone to visit.
     """
-    body_m = thin_m(mission, robot) + driving_of(robot).off_m
-    space, sure = _drawn_coarsely(mission, body_m)
     visits = [region for region in regions if region.demand == "visit"]
-    at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)
-    if at_limit or any(shapely.disjoint(region.shape, space) for region in visits):
+    for own in cutting_less(robot):
+        body_m = thin_m(mission, own) + driving_of(own).off_m
+        space, sure = _drawn_coarsely(mission, body_m)
+        at_limit = limit_is_asked_for(regions, space, own, range_margin_m)
+        if not at_limit and not any(shapely.disjoint(region.shape, space) for region in visits):
+            break
+    else:
         space, sure = _draw(mission, body_m, fine_arc_corners(body_m))
     if space.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
@@ -65,7 +73,17 @@ def space_for(
             raise NoPlanFound(
                 f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f}): it is {fits}"
             )
-    return StandingSpace(space, sure, at_limit)
+    return StandingSpace(space, sure, at_limit, own)
+
+
+def cutting_less(robot: Robot) -> Iterator[Robot]:
+    """The robot as it is, and, if its planner and not its firmware cuts corners, with corners cut less and less."""
+    yield robot
+    driving, motion = driving_of(robot), robot.motion
+    if driving.off_m == 0 or motion.vehicle in MODELS:
+        return
+    for share in (1 / 2, 1 / 4, 1 / 8, 0.0):
+        yield replace(robot, motion=replace(motion, corner_m=share * driving.off_m))
 
 
 def thin_m(mission: Mission, robot: Robot) -> float:
