@@ -152,3 +152,18 @@ def test_missions_that_planners_refuse_are_told_line_by_line(monkeypatch: pytest
         "at (532001, 5941002) is a wall", "so it is", "start: [532001, 5941002]",
         "box: [[532000, 5941000], [532002.5, 5941003]] is full",
     )  # fmt: skip
+
+
+def test_plans_with_legs_from_rest_may_be_moved_to_the_origin_again() -> None:
+    rng = np.random.default_rng(5)
+    legs_m = rng.uniform(1e-4, 1e-2, (200, 2))
+    places_m = np.cumsum(np.vstack([np.zeros(2), legs_m, -legs_m.sum(axis=0)]), axis=0)
+    places_m[-1] = places_m[0]
+    times_s = np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 2.0, 201))])
+    from_rest = 2 * np.hypot(*np.diff(places_m, axis=0).T) / np.diff(times_s) ** 2
+    one = Trajectory(robot="r", times_s=times_s, positions_m=places_m, accelerations_m_s2=from_rest)
+    far = _Way((UTM_M[0], UTM_M[1])).there(one)  # where rounding makes legs shorter
+    way = _Way((UTM_M[0], UTM_M[1]))
+    near = way.here(far)
+    assert near.accelerations_m_s2 == pytest.approx(from_rest, rel=1e-4)
+    assert way.there(near) is far

@@ -18,6 +18,7 @@ import shapely
 from rota.errors import MissionError, NoPlanFound
 from rota.model.fields import fields_of
 from rota.model.limits import LARGEST_M
+from rota.model.trajectory import Trajectory, forward_accelerations
 from rota.planning.planner import Answer, Handover, Planner, Request
 
 if TYPE_CHECKING:
@@ -201,6 +202,10 @@ def _map_places(
                 places = item.least == -LARGEST_M
                 after = shift(was) if places else _map_places(was, shift, keep, known)
                 changed |= {} if after is was else {item.name: after}
+        if changed and isinstance(value, Trajectory) and value.accelerations_m_s2 is not None:
+            # rounding makes a leg shorter by a hair
+            at = value.times_s, changed["positions_m"], value.accelerations_m_s2
+            changed["accelerations_m_s2"] = forward_accelerations(*at)
         now = replace(value, **changed) if changed else value
     else:
         return value
