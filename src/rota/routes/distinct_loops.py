@@ -25,9 +25,15 @@ def shared_loops(plan: Plan) -> list[list[Trajectory]]:
         same_s = 1e-6 * trajectory.loop_duration_s
         for loop, along in shared:
             alike = abs(loop[0].loop_duration_s - trajectory.loop_duration_s) <= same_s
-            if alike and shapely.hausdorff_distance(line, along) < SAME_LOOP_M:
+            if alike and _follows(line, along) and _follows(along, line):
                 loop.append(trajectory)
                 break
         else:
             shared.append(([trajectory], line))
     return [loop for loop, _ in shared]
+
+
+def _follows(line: shapely.LineString, along: shapely.LineString) -> bool:
+    """Whether all corners of the line lie on the other one."""
+    shapely.prepare(along)
+    return bool(shapely.dwithin(along, shapely.points(line.coords), SAME_LOOP_M).all())

@@ -40,7 +40,7 @@ def test_legs_see_the_same_with_depths_and_without(seed: int) -> None:
     # also points on walls, on their ends, and in line with them
     places = np.vstack([rng.uniform(0, 12, (400, 2)), rng.integers(0, 25, (400, 2)) / 2, walls[:, :2]])
     points = points_of(places, 1.0, 0, 0)
-    samples, _ = prepare(points, walls, reach_m=3.0, weight=np.ones(len(points)), wall_margin_m=0.003 * (seed % 2))
+    _, samples, _ = prepare(points, walls, reach_m=3.0, weight=np.ones(len(points)), wall_margin_m=0.003 * (seed % 2))
     unknown = np.zeros_like(samples.depth2)
     unknown[:, 1] = np.inf
     blind = samples._replace(depth2=unknown)

@@ -30,7 +30,9 @@ class Scene:
 
 
 def scene(points: SamplePoints, walls: Floats, reach_m: float, wall_margin_m: float = 0.0) -> Scene:
-    samples, order = prepare(points, walls, reach_m=reach_m, weight=np.ones(len(points)), wall_margin_m=wall_margin_m)
+    _, samples, order = prepare(
+        points, walls, reach_m=reach_m, weight=np.ones(len(points)), wall_margin_m=wall_margin_m
+    )
     return Scene(samples=samples, points=points[order], walls=samples.walls)
 
 

@@ -106,7 +106,7 @@ def test_a_quarter_of_the_points_stands_for_all(shape: MultiPolygon) -> None:
     assert {tuple(xy) for xy in few.xy_m[kept].tolist()} <= {tuple(xy) for xy in points.xy_m[inside].tolist()}
     corner = few.xy_m[kept] - 0.2 * np.column_stack([few.column[kept], few.row[kept]])
     assert np.ptp(corner, axis=0) == pytest.approx([0, 0], abs=1e-9)
-    samples, order = prepare(few, np.zeros((0, 4)), reach_m=1, weight=few.area_m2, wall_margin_m=0.001)
+    _, samples, order = prepare(few, np.zeros((0, 4)), reach_m=1, weight=few.area_m2, wall_margin_m=0.001)
     assert samples.frames[:, 2] == pytest.approx([0.2])
     assert sorted(order.tolist()) == list(range(len(few)))
 
@@ -169,7 +169,7 @@ def test_walls_in_reach_are_in_reach_and_enough() -> None:
         edge = shapely.get_coordinates(shapely.segmentize(shape.boundary, 3.0))
         points = points_of(np.vstack([places, edge[: 60 - len(places)]]), 1.0, 0, 0)
         start, items = walls_in_reach(points, walls, 8.0)
-        samples, order = prepare(points, walls, reach_m=8.0, weight=np.ones(len(points)), wall_margin_m=0.004)
+        _, samples, order = prepare(points, walls, reach_m=8.0, weight=np.ones(len(points)), wall_margin_m=0.004)
         lines = shapely.linestrings(walls.reshape(-1, 2, 2))
         near = shapely.distance(lines[None], shapely.points(points.xy_m)[:, None]) <= 8.0
         for i in range(len(points)):
@@ -210,7 +210,7 @@ def test_prepared_points_are_sorted_by_bins() -> None:
     points = join([points_of(rng.uniform(-5, 40, (200, 2)), 1.0, 1, 0), visits])
     weight = rng.uniform(0, 1, 203)
     walls = np.array([[0.0, 0, 3, 4]])
-    samples, order = prepare(points, walls, reach_m=4.0, weight=weight, wall_margin_m=0.1)
+    _, samples, order = prepare(points, walls, reach_m=4.0, weight=weight, wall_margin_m=0.1)
     assert sorted(order.tolist()) == list(range(203))
     assert np.column_stack([samples.x, samples.y]).tolist() == points.xy_m[order].tolist()
     assert samples.weight.tolist() == weight[order].tolist()
@@ -233,11 +233,11 @@ def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -
     walls = rng.uniform(0, 20, (30, 4))
     first, second = (points_of(rng.uniform(0, 20, (n, 2)), 1.0, 0, 0) for n in (70, 40))
     settings = {"reach_m": 4.0, "wall_margin_m": 0.01}
-    known, order = prepare(first, walls, weight=np.ones(70), **settings)
+    _, known, order = prepare(first, walls, weight=np.ones(70), **settings)
     both = join([first[order], second])
     weight = rng.uniform(1, 2, 110)
-    at_once, one = prepare(both, walls, weight=weight, **settings)
-    in_steps, other = prepare(both, walls, weight=weight, known=known_walls(known), **settings)
+    _, at_once, one = prepare(both, walls, weight=weight, **settings)
+    _, in_steps, other = prepare(both, walls, weight=weight, known=known_walls(known), **settings)
     assert one.tolist() == other.tolist()
     for name, field in at_once._asdict().items():
         assert getattr(in_steps, name).tolist() == field.tolist(), name

@@ -83,7 +83,7 @@ def test_sensors_as_the_kernels_take_them() -> None:
 def test_what_places_see_in_the_open(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(3)
     points = points_of(rng.uniform(0, 20, (300, 2)), 1.0, 0, 0)
-    samples, order = prepare(points, NO_WALLS, reach_m=robot.sensor.reach_m, weight=np.ones(300), wall_margin_m=0)
+    _, samples, order = prepare(points, NO_WALLS, reach_m=robot.sensor.reach_m, weight=np.ones(300), wall_margin_m=0)
     places = rng.uniform(0, 20, (40, 2))
     start, items = what_places_see(places, robot, 0.1, samples)
     away = np.abs(points.xy_m[order][None] - places[:, None])

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -14,7 +15,7 @@ from shapely import MultiPolygon
 
 from rota.geometry import kernels
 from rota.geometry.free_space import DemandedRegion
-from rota.model.arrays import Flags, Floats, Ints
+from rota.model.arrays import Flags, Floats, Ints, ShortInts
 from rota.model.mission import Robot, inner_reach_m
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.depth_kernels import depths_near_walls
@@ -26,6 +27,7 @@ MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 TOGETHER = 2_000  # places or points that one thread looks at
 MOST_CELLS = 4_000_000  # of any table: of those into which walls are sorted, or ground is cut, or of pairs of places
 
+Items = TypeVar("Items", Ints, ShortInts)
 Rows = tuple[Ints, Ints]  # starts (n + 1,) of n rows, and the items of all
 
 
@@ -189,8 +191,8 @@ def prepare(
     weight: Floats,
     wall_margin_m: float,
     known: Rows | None = None,
-) -> tuple[Samples, Ints]:
-    """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
+) -> tuple[SamplePoints, Samples, Ints]:
+    """The points (n) in the order in which the kernels take them, as they take them, and that order (n,).
 
     walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
     by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
@@ -240,17 +242,14 @@ def prepare(
         origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + ON_LINE_M]),
         bins=bins.astype(np.int64),
     )
-    return samples, order
+    return points, samples, order
 
 
 def lay_out(
     points: SamplePoints, walls: Floats, robot: Robot, *, weight: Floats | None = None, known: Rows | None = None
 ) -> tuple[SamplePoints, Samples, Ints]:
-    """The points (n) in the order in which the kernels take them, as they take them, and that order (n,).
-
-    weight (n,): what each is worth; None: the area that it stands for. known: as ``prepare`` takes it.
-    """
-    samples, order = prepare(
+    """What ``prepare`` makes of points for a robot. weight (n,): what each is worth; None: the area it stands for."""
+    return prepare(
         points,
         walls,
         reach_m=robot.sensor.reach_m,
@@ -258,7 +257,6 @@ def lay_out(
         wall_margin_m=TO_SPARE * inner_reach_m(robot.sensor),
         known=known,
     )
-    return points[order], samples, order
 
 
 def known_walls(samples: Samples, which: Ints | None = None) -> Rows:
@@ -273,7 +271,7 @@ def joined_rows(first: Rows, second: Rows) -> Rows:
     return start, np.concatenate([first[1], second[1]])
 
 
-def rows_in_order(start: Ints, items: Ints, order: Ints) -> tuple[Ints, Ints]:
+def rows_in_order(start: Ints, items: Items, order: Ints) -> tuple[Ints, Items]:
     """Rows of items, given by their starts (n + 1,), in another order (n,)."""
     sizes = np.diff(start)[order]
     ends = np.concatenate([[0], np.cumsum(sizes)])

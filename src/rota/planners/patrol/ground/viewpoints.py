@@ -12,7 +12,7 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.threads import side_by_side
-from rota.model.arrays import Flags, Floats, Ints
+from rota.model.arrays import Flags, Floats, Ints, ShortInts
 from rota.model.mission import Robot
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
@@ -20,7 +20,6 @@ from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import (
     TOGETHER,
-    Rows,
     SamplePoints,
     known_walls,
     lattice,
@@ -34,6 +33,8 @@ from rota.planners.patrol.tolerances import HAIR_M, SAME_PLACE_M
 
 MOST_CANDIDATES = 60_000
 
+Seen = tuple[Ints, ShortInts]  # starts (c + 1,) of what each place sees, and its numbers
+
 
 class Viewpoints(NamedTuple):
     """Places to look from, and what each of them sees.
@@ -45,7 +46,7 @@ class Viewpoints(NamedTuple):
     xy_m: Floats
     component: Ints
     start: Ints
-    seen: Ints
+    seen: ShortInts
 
 
 class SeenPoints(NamedTuple):
@@ -73,24 +74,26 @@ def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = 
     return np.ascontiguousarray(np.vstack([lattice(space, spacing_m), border, middles]))
 
 
-def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, samples: Samples) -> tuple[Ints, Ints]:
+def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, samples: Samples) -> Seen:
     """Samples that each place (n, 2) sees: starts (n + 1,) and indices into the prepared samples."""
     reach, square = sensor_arguments(robot, range_margin_m)
 
-    def rows_seen_from(some_m: Floats) -> Rows:
+    def rows_seen_from(some_m: Floats) -> Seen:
         x, y = np.ascontiguousarray(some_m[:, 0]), np.ascontiguousarray(some_m[:, 1])
-        start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
-        return start, items.astype(np.int64)
+        seen: Seen = places_see(x, y, reach, square, 0, samples, len(samples.x))
+        return seen
 
     found = side_by_side(rows_seen_from, np.array_split(places_m, 1 + len(places_m) // TOGETHER))
     sizes = np.concatenate([np.diff(start) for start, _ in found])
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
 
 
-def choose_viewpoints(start: Ints, items: Ints, wanted: Flags, weight: Floats) -> tuple[Ints, Flags]:
+def choose_viewpoints(start: Ints, items: Ints | ShortInts, wanted: Flags, weight: Floats) -> tuple[Ints, Flags]:
     """Places (greedy set cover) that see all wanted samples that any place sees; which samples (s,) stay unseen."""
     covered = ~wanted
-    chosen: Ints = greedy_cover(start, items, np.where(wanted, np.maximum(weight, 1e-6), 0.0), covered)
+    chosen: Ints = greedy_cover(
+        start, items.astype(np.int32, copy=False), np.where(wanted, np.maximum(weight, 1e-6), 0.0), covered
+    )
     return chosen, wanted & ~covered
 
 
@@ -125,7 +128,7 @@ def place_that_sees(
 
 
 def search_unseen(
-    unseen: Ints, find: Callable[[int], Floats | None], sees: Callable[[Floats], Ints]
+    unseen: Ints, find: Callable[[int], Floats | None], sees: Callable[[Floats], Ints | ShortInts]
 ) -> tuple[Floats, Ints]:
     """Further places (m, 2) for samples that no candidate sees, and the samples for which none was found.
 
@@ -161,7 +164,7 @@ def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
     reach_m, _ = sensor_arguments(robot, 0.0)
     points, samples, _ = lay_out(points, walls, robot)
 
-    def rows_seen_from(place_m: Floats) -> Ints:
+    def rows_seen_from(place_m: Floats) -> ShortInts:
         return what_places_see(place_m[None], robot, margin_m, samples)[1]
 
     candidates_m = candidate_places(space, 0.5 * reach_m, 0.9 * reach_m)

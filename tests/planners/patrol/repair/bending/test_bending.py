@@ -50,7 +50,7 @@ def tour(problem: Problem, corners_m: object, **fields: object) -> Tour:
 
 def samples_at(problem: Problem, places_m: object) -> tuple[SamplePoints, object]:
     points = points_of(np.array(places_m, dtype=np.float64), 1.0, 0, 0)
-    samples, order = prepare(
+    _, samples, order = prepare(
         points, problem.walls, reach_m=problem.robot.sensor.reach_m, weight=np.ones(len(points)), wall_margin_m=1e-3
     )
     return points[order], samples

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.errors import NoPlanFound
-from rota.model.arrays import Flags, Floats, Ints
+from rota.model.arrays import Flags, Floats, Ints, ShortInts
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import lay_out
@@ -75,7 +75,7 @@ def deployed_sensors(problem: Problem, cover: str) -> tuple[Floats, Ints]:
     return places_m[np.concatenate(chosen)], np.concatenate(classes)
 
 
-def chosen_places(start: Ints, items: Ints, wanted: Flags, cover: str) -> Ints:
+def chosen_places(start: Ints, items: ShortInts, wanted: Flags, cover: str) -> Ints:
     """Places (k,) that see all wanted samples (s,) that any sees. start (c + 1,), items: what each place sees."""
     if cover == "greedy":
         return choose_viewpoints(start, items, wanted, np.ones(len(wanted)))[0]

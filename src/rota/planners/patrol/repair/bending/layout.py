@@ -156,10 +156,14 @@ def sightings(
     room = 1024
     while best_sightings(legs, further_m, samples, np.empty(room, dtype=np.int32), best):
         room *= 2
-    share, leg = driven.share[best.leg], np.where(best.leg >= 0, driven.leg[best.leg], -1)
-    at = share[:, 0] + best.at * (share[:, 1] - share[:, 0])
-    behind_m = np.where(leg >= 0, handicap_m[layout.tour[leg]], 0.0)
-    return Sightings(leg, at, best.range_deficit_m - behind_m)
+    # samples are many, and so are what they take: all is made where it lies
+    share, leg = driven.share, driven.leg[best.leg]
+    leg[best.leg < 0] = -1
+    np.multiply(best.at, (share[:, 1] - share[:, 0])[best.leg], out=best.at)
+    np.add(best.at, share[best.leg, 0], out=best.at)
+    if handicap_m.any():
+        best.range_deficit_m[leg >= 0] -= handicap_m[layout.tour[leg[leg >= 0]]]
+    return Sightings(leg, best.at, best.range_deficit_m)
 
 
 class Driven(NamedTuple):
