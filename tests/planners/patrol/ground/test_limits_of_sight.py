@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -212,5 +213,8 @@ def test_corners_are_cut_less_where_what_is_asked_is_seen_only_from_beside_a_wal
     assert cut_m == [0.5, 0.25, 0.0625, 0.0]
     # who flies by its firmware does not choose
     assert set_up_problem(field(box(6, 6, 9.8, 11), vehicle="arducopter")).robot.motion.corner_m == 0.5
+    # the middle of a slit 0.2 m wide behind an obstacle is seen along it, from beside the wall
+    shed = replace(field(box(0, 0, 1, 1)), obstacles=(Obstacle(shape=MultiPolygon([box(6, 12, 9, 15.8)])),))
+    assert set_up_problem(shed).robot.motion.corner_m == 0.125
     plan = rota.make_plan(field(box(6, 6, 9.8, 11)))
     assert rota.check_plan(plan).verdict == "met"

@@ -11,7 +11,13 @@ import shapely
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import NoPlanFound
-from rota.geometry.free_space import DemandedRegion, parts_entered, standing_anywhere, standing_space_in
+from rota.geometry.free_space import (
+    DemandedRegion,
+    parts_entered,
+    sight_walls,
+    standing_anywhere,
+    standing_space_in,
+)
 from rota.geometry.threads import side_by_side
 from rota.geometry.tiles import grown_box
 from rota.model.mission import Mission, Robot
@@ -19,6 +25,8 @@ from rota.model.polygons import polygons_of
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
 from rota.planners.patrol.ground.samples import MANY_CORNERS
+from rota.planners.patrol.ground.sight import Sight
+from rota.planners.patrol.ground.unseeable import ground_asked_for, unseeable_ground
 from rota.planners.patrol.tolerances import SLIVER_M2
 from rota.vehicles.models import MODELS
 
@@ -60,7 +68,8 @@ def space_for(
         body_m = thin_m(mission, own) + driving_of(own).off_m
         space, sure = _drawn_coarsely(mission, body_m)
         at_limit = limit_is_asked_for(regions, space, own, range_margin_m)
-        if not at_limit and not any(shapely.disjoint(region.shape, space) for region in visits):
+        enters = not any(shapely.disjoint(region.shape, space) for region in visits)
+        if not at_limit and enters and not hides_more(mission, regions, own, space):
             break
     else:
         space, sure = _draw(mission, body_m, fine_arc_corners(body_m))
@@ -84,6 +93,21 @@ def cutting_less(robot: Robot) -> Iterator[Robot]:
         return
     for share in (1 / 2, 1 / 4, 1 / 8, 0.0):
         yield replace(robot, motion=replace(motion, corner_m=share * driving.off_m))
+
+
+def hides_more(mission: Mission, regions: Sequence[DemandedRegion], robot: Robot, space: MultiPolygon) -> bool:
+    """Whether walls hide more of what is asked from the space of a robot that cuts corners than if it stopped there.
+
+    False for one whose firmware cuts them.
+    """
+    if driving_of(robot).off_m == 0 or robot.motion.vehicle in MODELS:
+        return False
+    asked, walls = ground_asked_for(regions), sight_walls(mission)
+    hidden_m2 = unseeable_ground(asked, Sight(space, walls, robot, 0.0)).m2
+    if hidden_m2 == 0:
+        return False
+    whole, _ = _drawn_coarsely(mission, thin_m(mission, robot))
+    return hidden_m2 > 1.01 * unseeable_ground(asked, Sight(whole, walls, robot, 0.0)).m2 + SLIVER_M2
 
 
 def thin_m(mission: Mission, robot: Robot) -> float:
