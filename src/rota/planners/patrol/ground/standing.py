@@ -102,7 +102,7 @@ def hides_more(mission: Mission, regions: Sequence[DemandedRegion], robot: Robot
     """
     if driving_of(robot).off_m == 0 or robot.motion.vehicle in MODELS:
         return False
-    asked, walls = ground_asked_for(regions), sight_walls(mission)
+    asked, walls = ground_asked_for(tuple(regions)), sight_walls(mission)
     hidden_m2 = unseeable_ground(asked, Sight(space, walls, robot, 0.0)).m2
     if hidden_m2 == 0:
         return False
