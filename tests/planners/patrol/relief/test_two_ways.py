@@ -81,6 +81,17 @@ def test_who_gets_up_speed_passes_after_a_pause_as_long_as_half_of_it_takes_for_
     assert 1 <= found.pause_s / math.sqrt(12 * BODY_M / 2.5) < 1.1
 
 
+@pytest.mark.parametrize(("period_s", "robots"), [(28, 2), (32, 1)])
+def test_who_takes_time_to_turn_turns_back_on_the_post_and_on_the_charger(period_s: float, robots: int) -> None:
+    """9.5 s each way, and 10.5 s to turn on the charger: one robot leaves the post alone for 29.5 s."""
+    fleet = dataclasses.replace(
+        MISSION.fleet, turn_rate_rad_s=0.3, body_radius_m=0, battery=BatteryLimits(endurance_s=60, recharge_s=10)
+    )
+    zones = (dataclasses.replace(POST, period_s=period_s),)
+    plan = make_plan(dataclasses.replace(MISSION, fleet=fleet, zones=zones))
+    assert (check_plan(plan).verdict, len(plan)) == ("met", robots)
+
+
 def paths_in(mission: Mission) -> ShortestPaths:
     return ShortestPaths(standing_space(mission, BODY_M))
 

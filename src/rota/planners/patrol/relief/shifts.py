@@ -195,7 +195,8 @@ def ways_to_serve(
     for jobs, rounds, round_s, way_s, possible in tried:
         flown_s, used_s = rounds * round_s + 2 * way_s, rounds * round_s * uses + 2 * way_s
         possible = possible & (used_s <= battery.usable_s * (1 + SAME_ROUND))
-        busy_s = np.where(possible, jobs * (flown_s + stays_s(battery, own.charger, used_s)), np.inf)
+        charging_s = np.maximum(stays_s(battery, own.charger, used_s), own.turns_s)
+        busy_s = np.where(possible, jobs * (flown_s + charging_s), np.inf)
         way = _Way(jobs, np.broadcast_to(rounds, turns_s.shape).astype(float), round_s, way_s, busy_s)
         known = best.setdefault((jobs, way_s), way)
         better = busy_s < known.busy_s * (1 - SAME_ROUND)
@@ -209,10 +210,10 @@ Tried = tuple[int, Floats | float, Floats, float, Flags]  # jobs, rounds, round_
 
 def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float) -> Iterator[Tried]:
     """Jobs of robots that stay, each after a pause of a whole period where it need not be there sooner."""
-    way_s = float(own.ways_s.min())
+    way_s, stays_s = float(own.ways_s.min()), max(slot.least_s, own.turns_s / (1 if own.passing is None else 2))
     for jobs in range(1, MOST_JOBS + 1):
         each_s = turns_s / jobs
-        pause_s = np.minimum(min(slot.most_s, most_pause_s), each_s - slot.least_s)
+        pause_s = np.minimum(min(slot.most_s, most_pause_s), each_s - stays_s)
         possible = pause_s >= 0
         if own.passing is not None:
             possible = pause_s >= own.passing.pause_s

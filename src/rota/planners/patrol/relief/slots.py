@@ -57,13 +57,15 @@ class Slot:
 class Handovers:
     """Where robots may change at a slot: phases_s (k,) of the round, places_m (k, 2), and ways_s (k,) to a charger.
 
-    passing: the ways to a post and back, on which robots with bodies pass each other; None: they do not.
+    turns_s: what turning back takes. passing: the ways to a post and back, at right angles, on which robots with bodies
+    pass each other; None: they do not.
     """
 
     charger: Charger
     phases_s: Floats
     places_m: Floats
     ways_s: Floats
+    turns_s: float
     passing: Passing | None = None
 
     @property
@@ -183,7 +185,9 @@ def handovers_of(
     ]
     found = [
         [
-            Handovers(charger=charger, phases_s=phases_s, places_m=places_m, ways_s=ways_s[k])
+            Handovers(
+                charger=charger, phases_s=phases_s, places_m=places_m, ways_s=ways_s[k], turns_s=ways.turns_back_s
+            )
             for k, charger in enumerate(chargers)
         ]
         for phases_s, places_m, ways_s in zip(spots, places, lasts_s, strict=True)

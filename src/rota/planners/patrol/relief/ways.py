@@ -73,6 +73,11 @@ class Ways:
         self._at_once = robot.turns_at_once
         self._known: dict[bytes, Way | None] = {}
 
+    @property
+    def turns_back_s(self) -> float:
+        """How long a robot takes to turn back where it stands."""
+        return math.pi / (self._robot.turn_rate_rad_s or math.inf)
+
     def straight_s(self, chargers_m: Floats, places_m: Floats) -> Floats:
         """How long the shortest ways take (c, k) from chargers (c, 2) to places (k, 2) at full speed all the way."""
         return np.asarray(self.paths.distances(chargers_m, places_m) / self._robot.ground_speed_m_s)
