@@ -69,14 +69,6 @@ class TakenIn(JITCodeLibrary):
         self._linking_libraries = [library for library in self._linking_libraries if library is not rtsys.library]
         super().finalize()
 
-    def _optimize_functions(self, module: Any) -> None:
-        """Optimise each function that is there: numba would set out to do so with those, too, that are only named."""
-        module.data_layout = self._codegen._data_layout
-        for function in module.functions:
-            if not function.is_declaration:
-                passes, builder = self._codegen._function_pass_manager()
-                passes.run(function, builder)
-
     def _optimize_final_module(self) -> None:
         """Nothing: callers optimise what they take in."""
 
