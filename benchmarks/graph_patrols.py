@@ -26,7 +26,7 @@ from rota.files.mission_file import read_mission
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.route_graph.network import Calls, calls_of, network_of
-from rota.planners.patrol.route_graph.rounds import nearest_first, plain_shares
+from rota.planners.patrol.route_graph.plan_on_graph import nearest_first, plain_shares
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

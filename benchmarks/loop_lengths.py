@@ -20,8 +20,7 @@ from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.shortening.measures import loops_m, turning_rad
-from rota.planners.patrol.shortening.search import with_better_loops
+from rota.planners.patrol.shortening.search import loops_m, turning_rad, with_better_loops
 from rota.planners.patrol.shortening.spikes import spikes
 from rota.planners.patrol.tours.tour import Tour
 

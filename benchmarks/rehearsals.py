@@ -17,7 +17,7 @@ from rota.check.charging import battery_levels
 from rota.files.plan_file import read_plan
 from rota.model.plan import Plan
 from rota.rehearsal.conditions import Conditions
-from rota.rehearsal.run import rehearse_once
+from rota.rehearsal.many_runs import rehearse_once
 from rota.rehearsal.scene import HOUR_S, scene_of
 
 AGREEING = ("harbour", "parcel", "building", "port-relief")

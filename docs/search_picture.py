@@ -26,8 +26,7 @@ from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import Allocation, PeriodGrouping, allocations, period_groupings
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
-from rota.planners.patrol.methods.fewest.multistart import anneal_in_full
-from rota.planners.patrol.methods.fewest.screening import screen
+from rota.planners.patrol.methods.fewest.team_size_plan import anneal_in_full, screen
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack
 from rota.planners.patrol.repair.repair import Repaired, annealing_of
 from rota.planners.patrol.tours.tour import Tour, nests, over_budget_share

@@ -16,8 +16,6 @@ PATROL = "rota.planners.patrol"
 PATROL_STAGES = [
     [
         "planner_settings",
-        "lane_refusals",
-        "charging_refusals",
         "method_table",
         "work_ahead",
         "method_settings",

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from rota.files.vda5050_orders import NumberedStops, Window
-from rota.links.leg_times import Leg, LegTimes
-from rota.links.vda5050_pace import AHEAD_S, MOST_ROOM_S, Pace
+from rota.links.vda5050_pace import AHEAD_S, MOST_ROOM_S, Leg, LegTimes, Pace
 from rota.model.plan import Trajectory
 from rota.routes.route import Route, RouteStop, route_of
 

@@ -15,10 +15,9 @@ from tests.relieved import FLIGHT_S, TURN_S, WAY_S, relieved
 from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
-from rota.live.apart import robots_waited_for, teams_apart
 from rota.live.driving import Driving
 from rota.live.events import Heard, Tick
-from rota.live.keeping import Keeping
+from rota.live.keeping import Keeping, robots_waited_for, teams_apart
 from rota.live.notices import Notice, NoticeKind, RobotState
 from rota.live.reliefs import Reliefs
 from rota.live.watch import Watch

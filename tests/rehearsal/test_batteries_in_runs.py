@@ -19,7 +19,7 @@ from rota.rehearsal import rehearsal_table, rehearsal_to_json
 from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.drive_kernels import Fills
 from rota.rehearsal.kernels import Driven
-from rota.rehearsal.run import rehearse_once
+from rota.rehearsal.many_runs import rehearse_once
 from rota.rehearsal.scene import Scene, scene_of
 from rota.rehearsal.stages import drive_in_stages
 

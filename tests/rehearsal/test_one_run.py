@@ -15,7 +15,7 @@ from rota.rehearsal.conditions import Conditions
 from rota.rehearsal.contacts import contacts_of
 from rota.rehearsal.kernels import Driven
 from rota.rehearsal.least_times import least_times_s
-from rota.rehearsal.run import rehearse_once
+from rota.rehearsal.many_runs import rehearse_once
 from rota.rehearsal.scene import Scene, scene_of
 from rota.rehearsal.stages import drive_in_stages
 from rota.vehicles.motion import Wind

@@ -17,7 +17,7 @@ from rota.model.seam import Seam
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.rehearsal import rehearsal_table, rehearsal_to_json
 from rota.rehearsal.conditions import Conditions
-from rota.rehearsal.run import rehearse_once
+from rota.rehearsal.many_runs import rehearse_once
 from rota.rehearsal.scene import Scene, scene_of
 from rota.rehearsal.stages import IN_PHASE_S, TAKES_OVER_S, Stage, drive_in_stages
 from rota.routes.flights import on_charger

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rota import DiscSensor, Trajectory
-from rota.routes.cuts import without_cuts
-from rota.routes.moments import earlier_by, go_on, join_ways, way_before
+from rota.routes.moments import earlier_by, go_on, join_ways, way_before, without_cuts
 
 TANGENTS_S = np.array([0.25, 0.5, 0.5, 0.25])  # of a corner: halves at its ends
 

@@ -7,7 +7,7 @@ import asyncio
 import uvicorn
 from starlette.types import Receive, Scope, Send
 
-from rota.web.patience import PatientProtocol
+from rota.web.serving import PatientProtocol
 
 
 class Hurried(PatientProtocol):

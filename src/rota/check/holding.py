@@ -11,16 +11,17 @@ from typing import Any
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from rota.check.arrays import Floats
 from rota.check.blocking import blocks_motion, blocks_sight
-from rota.check.importance import importance_in_range
 from rota.check.routes import lines_of, segments_of
 from rota.check.standing import standing_area_of
 from rota.check.tolerances import NO_LENGTH, SLIVER_M, TOUCH_M
-from rota.model.mission import DiscSensor, Mission, Robot, Sensor
+from rota.model.mission import DiscSensor, ImportanceMap, Mission, Robot, Sensor
 from rota.model.plan import Plan, Trajectory
 
+PLACES = 2**19  # at which the ground is asked
 STEPS = 64  # per quarter of a circle
 SAME_AREA = math.sqrt(math.pi / (2 * STEPS * math.sin(math.pi / (2 * STEPS))))  # of a circle and a polygon round it
 SHADOW_STEPS = 4  # of the far side of a wall's shadow, each of an eighth of a circle at most
@@ -152,3 +153,41 @@ def _parts_out_of_reach(plan: Plan, mission: Mission) -> list[tuple[float, float
     least_m2 = math.pi * (SPOT * min(robot.sensor.reach_m for robot in robots)) ** 2
     told = [(shapely.point_on_surface(part), part.area) for part in parts if part.area > least_m2]
     return sorted(((place.x, place.y, area_m2) for place, area_m2 in told), key=lambda part: -part[2])
+
+
+def importance_in_range(mission: Mission, ground: BaseGeometry, in_range: BaseGeometry) -> float | None:
+    """The share of a ground's importance that lies in a shape, by places of a lattice; None where none is stated.
+
+    A zone's importance replaces the ground's, a number or a map that goes straight between its places; of several
+    zones the largest counts. 0 where nothing is worth anything.
+    """
+    zones = [(zone.importance, zone.shape) for zone in mission.zones if zone.importance is not None]
+    if mission.importance is None and not zones:
+        return None
+    left, bottom, right, top = shapely.bounds(ground)
+    step_m = max(np.sqrt((right - left) * (top - bottom) / PLACES), max(right - left, top - bottom) / PLACES)
+    x, y = (
+        part.ravel()
+        for part in np.meshgrid(
+            np.arange(left + step_m / 2, right, step_m), np.arange(bottom + step_m / 2, top, step_m)
+        )
+    )
+    shapely.prepare([ground, in_range, *(shape for _, shape in zones)])
+    there = shapely.contains_xy(ground, x, y)
+    x, y = x[there], y[there]
+    worth, told = np.ones(len(x)), mission.importance
+    if isinstance(told, ImportanceMap):
+        (x0, y0), (across, up), (rows, columns) = told.low_m, told.step_m, told.values.shape
+        i, j = np.clip((x - x0) / across, 0, columns - 1), np.clip((y - y0) / up, 0, rows - 1)
+        west, south = np.floor(i).astype(int), np.floor(j).astype(int)
+        east, north = np.ceil(i).astype(int), np.ceil(j).astype(int)
+        below = told.values[south, west] + (i - west) * (told.values[south, east] - told.values[south, west])
+        above = told.values[north, west] + (i - west) * (told.values[north, east] - told.values[north, west])
+        worth = below + (j - south) * (above - below)
+    elif told is not None:
+        worth *= told
+    if zones:
+        largest = np.max([np.where(shapely.contains_xy(shape, x, y), value, -1.0) for value, shape in zones], axis=0)
+        worth = np.where(largest >= 0, largest, worth)
+    whole = float(worth.sum())
+    return float(worth[shapely.contains_xy(in_range, x, y)].sum()) / whole if whole > 0 else 0.0

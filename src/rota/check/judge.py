@@ -18,7 +18,6 @@ from rota.check.charging import charging_violations
 from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.counting import claim_violations, counting_robots, kind_violations
 from rota.check.demands import DemandedGround, demands_of, visits
-from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
 from rota.check.holding import holding_of
 from rota.check.lane_keeping import lane_violations
@@ -30,13 +29,14 @@ from rota.check.report import DemandVerdict, Outcome, Report, Violation, violati
 from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.seams import seam_violations
 from rota.check.separation import separation_violations
-from rota.check.standing import standing_areas
+from rota.check.standing import near_entrance_m, near_way_in_m, standing_area_of, standing_areas
 from rota.check.standing_still import standing_violations
 from rota.check.tiled_ground import FINEST_M, findings_by_group
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.model.mission import Mission, StartBox, StartPoints
 from rota.model.plan import Plan
+from rota.model.violation_kinds import ViolationKind
 
 MOST_UNMET_POINTS = 200_000
 
@@ -279,3 +279,30 @@ def _cap(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
         chosen = np.linspace(0, len(points) - 1, MOST_UNMET_POINTS).astype(np.int64)
         points, demand = points[chosen], demand[chosen]
     return points, demand
+
+
+def entrance_violations(plan: Plan) -> list[Violation]:
+    """Robots that come to places where no way leads from an entrance: the first of each, when, and how far off it is.
+
+    Where a robot turns tells all: between two such places its leg is judged by itself, and each is to be in ground that
+    ways lead to. A gap just as wide as the body is no way, though a leg may pass it. Where a robot begins it must be as
+    near to such ground as an entrance.
+    """
+    mission, violations = plan.mission, []
+    if mission.fleet.entrances is None:
+        return []
+    for trajectory in plan:
+        robot = mission.fleet.robot(trajectory.robot)
+        inside = standing_area_of(mission, robot).shape
+        shapely.prepare(inside)  # whose sides are then looked up in a tree
+        places_m = trajectory.positions_m[:, :2]
+        limits_m = np.full(len(places_m), near_way_in_m(robot.body_radius_m))
+        limits_m[0] = near_entrance_m(robot.body_radius_m)
+        far = ~shapely.dwithin(inside, shapely.points(places_m), limits_m)  # all, where bodies can come to nothing
+        for i in np.flatnonzero(far)[:1]:
+            x, y = (float(value) for value in places_m[i])
+            at_s = float(trajectory.times_s[i])
+            away_m = float("inf") if inside.is_empty else float(shapely.distance(inside, shapely.Point(x, y)))
+            kind: ViolationKind = "no way there from the entrances"
+            violations.append(violation(kind, robot.name, (x, y), at_s, away_m, float(limits_m[i]), "m"))
+    return violations

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from rota.check.batteries import Battery, batteries_of
 from rota.check.report import Report, report_to_json
 from rota.check.routes import routes_of
+from rota.files.mission_json import mission_to_json
 from rota.model.field_values import Json
-from rota.model.mission import DiscSensor, Robot
+from rota.model.mission import DiscSensor, Mission, Robot
 from rota.model.plan import Plan, Seam, Trajectory
 from rota.planning.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence
 from rota.playback.bounces import cell_arrays, turn_arrays
 from rota.playback.cells import SeenCells, seen_cells
 from rota.playback.container import pack
 from rota.playback.coverage import Coverage, coverage_over_time, range_over_time
-from rota.playback.ground import ground_to_json
 from rota.routes.constant_speeds import plan_at_constant_speeds
 
 Arrays = dict[str, NDArray[Any]]
@@ -243,3 +243,9 @@ def _coverage_arrays(coverage: Coverage | None) -> Arrays:
         "coverage_time_s": coverage.times_s.astype(np.float32),
         "coverage_share": coverage.shares.astype(np.float32),
     }
+
+
+def ground_to_json(mission: Mission) -> Json:
+    """Area, obstacles, zones and the period outside zones as plan files have them; the origin, null without one."""
+    whole = mission_to_json(mission)
+    return {name: whole[name] for name in ("area", "obstacles", "zones", "period_s", "origin")}

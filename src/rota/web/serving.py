@@ -9,20 +9,24 @@ import secrets
 import socket
 import sys
 import threading
+import time
 import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import h11
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rota.errors import RotaError
 from rota.web.app import make_app
 from rota.web.limits import Limits
-from rota.web.patience import PatientProtocol
 from rota.web.security import LOOPBACK, Guard
 from rota.web.tiles import tiles_of
 
+# for the first lines of a request, from its first byte or from connecting on, and for all of it
+HEAD_S, BODY_S = 15.0, 120.0
 Say = Callable[[str], None]
 MOST_CONNECTIONS = 1000
 HTTP_PORT, ANY_HOST = 80, ("0.0.0.0", "::")
@@ -125,3 +129,47 @@ def is_loopback(host: str) -> bool:
 def _name(host: str) -> str:
     """A host as addresses write it."""
     return f"[{host}]" if ":" in host else host.lower()
+
+
+class PatientProtocol(H11Protocol):
+    """uvicorn's protocol, which by itself waits for ever for the rest of a request that has begun."""
+
+    head_s, body_s = HEAD_S, BODY_S
+    _timer: asyncio.TimerHandle | None = None
+    _since_s = 0.0
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Somebody connects, and should say something soon."""
+        super().connection_made(transport)
+        self._begin()
+
+    def data_received(self, data: bytes) -> None:
+        """Part of a request, or all of it."""
+        super().data_received(data)
+        if self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
+            self._cancel()
+        elif self._timer is None:
+            self._begin()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Nothing more comes."""
+        self._cancel()
+        super().connection_lost(exc)
+
+    def _begin(self) -> None:
+        self._since_s = time.monotonic()
+        self._timer = self.loop.call_later(self.head_s, self._look)
+
+    def _cancel(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _look(self) -> None:
+        """The head should be here by now, and the body in time."""
+        left_s = self.body_s - (time.monotonic() - self._since_s)
+        if self.conn.their_state is h11.SEND_BODY and left_s > 0:
+            self._timer = self.loop.call_later(left_s, self._look)
+            return
+        self._timer = None
+        self.transport.abort()

@@ -14,10 +14,9 @@ from rota.files.text_map import text_map
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
-from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.limit_cycles import limit_cycles
 from rota.planners.bounce.monitoring import Watch
-from rota.planners.bounce.planner import bouncing_robots, monitoring_plan
+from rota.planners.bounce.planner import apart_in_time, bouncing_robots, monitoring_plan
 from rota.planners.bounce.planner_settings import BounceSettings
 
 

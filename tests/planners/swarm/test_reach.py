@@ -8,8 +8,7 @@ from shapely import MultiPolygon, box
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.reach import unreached_ground
-from rota.planners.swarm.sentences import covered_sentence, reach_sentences
+from rota.planners.swarm.sentences import covered_sentence, reach_sentences, unreached_ground
 
 
 def halves(*walls: tuple[float, float, float, float]) -> Mission:

@@ -14,10 +14,10 @@ from rota.model.plan import Plan
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Choice, Chosen, choose_group, out_of_reach
-from rota.planners.bounce.clock_margin import apart_in_time
+from rota.planners.bounce.clock_kernels import forbid_near_phases
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.kernels import Team
-from rota.planners.bounce.limit_cycles import cycles_see, limit_cycles, require_watchable, zone_cells
+from rota.planners.bounce.limit_cycles import LimitCycles, cycles_see, limit_cycles, require_watchable, zone_cells
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.physics_sentences import cycles_sentence
 from rota.planners.bounce.plane_monitoring import plan_in_plane
@@ -241,3 +241,27 @@ def monitoring_plan(bouncing: Bouncing, chosen: Chosen, seed: int, timed: TimedG
         for robot, states, times_s in zip(bouncing.robots, timed.states, timed.times_s, strict=True)
     )
     return Plan(mission=bouncing.mission, trajectories=tuple(trajectories), seed=seed)
+
+
+def apart_in_time(cycles: LimitCycles, cells: Cells, apart_m: Floats, margin_steps: float) -> LimitCycles:
+    """The cycles with fewer compatible pairs: robots stay apart for all differences of clocks up to the margin.
+
+    apart_m: (m, m) metres by which bodies keep the centres of the team's robots apart. margin_steps: in steps; 0 leaves
+    all as it is. Contact by the grid counts as well, but at equal times only.
+    """
+    if margin_steps <= 0:
+        return cycles
+    kinds = len(set(cycles.kind_of_robot))
+    of_kinds = np.zeros((kinds, kinds))
+    for i, a in enumerate(cycles.kind_of_robot):
+        for j, b in enumerate(cycles.kind_of_robot):
+            if i != j:
+                of_kinds[a, b] = apart_m[i, j]
+    kind_of_cycle = cycles.kind[cycles.start]
+    compatible = cycles.compatible.copy()
+    forbid_near_phases(
+        np.ascontiguousarray(cells.centres_m[cycles.state // cells.headings]),
+        np.ascontiguousarray(of_kinds[np.ix_(kind_of_cycle, kind_of_cycle)]),
+        cycles.start, cycles.length, float(margin_steps), np.empty(int(cycles.length.max()), np.bool_), compatible,
+    )  # fmt: skip
+    return replace(cycles, compatible=compatible)

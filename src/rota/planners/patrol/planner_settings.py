@@ -8,13 +8,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from rota.errors import MissionError
+from rota.model.motion_limits import MOTION_FIELDS
 from rota.model.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
-from rota.model.refusals import Where, every_choice_of_robots, fleet_blocks, inner, robot_count, show_value
-from rota.planners.patrol.charging_refusals import charging_refusals
-from rota.planners.patrol.lane_refusals import lane_refusals
+from rota.model.refusals import (
+    Where,
+    every_choice_of_robots,
+    every_motion,
+    fleet_blocks,
+    inner,
+    robot_count,
+    show_value,
+)
 from rota.planners.patrol.method_table import METHOD_SETTINGS, METHODS
 from rota.planners.patrol.tolerances import BESIDE_M
-from rota.vehicles.presets import VEHICLES
+from rota.vehicles.presets import ON_MISSIONS, VEHICLES
 
 Effort = Literal["quick", "normal", "high"]
 if TYPE_CHECKING:
@@ -170,3 +177,49 @@ def _reach_m(sensor: Any) -> float | None:
     if not isinstance(size, int | float):
         return None
     return size if inner(sensor, "shape") == "disc" else size / 2
+
+
+def charging_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Copters on missions of their own, starts and lanes, where robots have an endurance."""
+    fleet, (_, *listed) = inner(data, "fleet"), fleet_blocks(data)
+    refused: dict[Where, str] = {}
+    for where, block in listed or [(("fleet",), fleet)]:
+        told = {name: (where if inner(block, name) is not None else ("fleet",)) for name in ("vehicle", "start")}
+        values = {name: inner(block, name) if told[name] == where else inner(fleet, name) for name in told}
+        told_by = next((name for name in ("endurance_s", "battery") if inner(block, name) or inner(fleet, name)), None)
+        if told_by is None:
+            continue
+        if values["vehicle"] in ON_MISSIONS:
+            refused[(*told["vehicle"], "vehicle")] = (
+                "robots that charge are not planned for as their firmware flies missions: write arducopter-targets,"
+                " whose timed targets rota fly sends"
+            )
+        if values["start"] is not None:
+            refused[(*told["start"], "start")] = "robots that charge begin anywhere on their flights: remove it"
+        if data.get("lanes") or inner(data, "area", "graph") is not None:
+            refused["fleet", told_by] = "on lanes no charging is planned: remove it"
+    yield from refused.items()
+
+
+def lane_refusals(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Limits of motion and turning, starts, demands other than visits, and other methods, on lanes or in a graph."""
+    is_graph = inner(data, "area", "graph") is not None
+    if not (is_graph or data.get("lanes")):
+        return
+    driving_fields = (*MOTION_FIELDS, "turn_rate_rad_s", "turn_radius_m")
+    yield from every_motion(data, driving_fields, "on lanes robots turn and change their speed at once: remove it")
+    for where, block in fleet_blocks(data):
+        for name in ("start", "entrances"):
+            if inner(block, name) is not None:
+                yield (*where, name), "on lanes robots begin where their rounds do: remove it"
+    if inner(data, "patrol", "method") not in (None, "tours"):
+        yield ("patrol", "method"), "on lanes only tours are planned"
+    if inner(data, "patrol", "prefer") not in (None, "shortest"):
+        yield ("patrol", "prefer"), "on lanes only the shortest rounds are looked for"
+    if not is_graph and data.get("period_s") is not None:
+        yield ("period_s",), "on lanes robots come to places: remove it, and give zones with demand: visit"
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        demand = inner(zone, "demand") or ("visit" if inner(zone, "place") is not None else "every_point")
+        if inner(zone, "period_s") is not None and demand != "visit":
+            yield ("zones", k, "demand"), "on lanes robots come to places: write demand: visit"

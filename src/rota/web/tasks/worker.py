@@ -20,8 +20,12 @@ from rota.errors import MissionError, RotaError
 from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database
 from rota.web.tasks.context import Context, with_given_names
-from rota.web.tasks.memory import is_out_of_memory, limit_memory
 
+# memory that is asked for and not used yet counts here, and a library may loop where it gets none
+ROOM_BYTES = 2**30
+
+
+NO_ROOM = ("bad_alloc", "can't start new thread")  # how GEOS and Python's threads say what others call MemoryError
 TASKS = {
     "validate": "rota.web.tasks.validate:validate",
     "read": "rota.web.tasks.read:read_upload",
@@ -165,3 +169,24 @@ def _plan(context: Context, inbox: Inbox, outbox: Outbox, stop: threading.Event)
 
 if __name__ == "__main__":
     main()
+
+
+def is_out_of_memory(error: Exception) -> bool:
+    """Whether an error says that memory was refused, whichever library was the one to ask for it."""
+    return isinstance(error, MemoryError) or any(said in str(error) for said in NO_ROOM)
+
+
+def limit_memory(most_bytes: int) -> None:
+    """Let allocations beyond ``most_bytes``, and some room, fail; data only is counted, since loops map much more.
+
+    The server ends planning processes that take more before that; this is for those that grow at a bound. Without
+    effect on systems that know no such limit (Windows, macOS).
+    """
+    if sys.platform != "linux":
+        return
+    import resource
+
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most_bytes += ROOM_BYTES
+    soft = most_bytes if hard == resource.RLIM_INFINITY else min(most_bytes, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.model.planner_settings import setting
-from rota.planners.patrol.methods.sun2019.cover import greedy_cover
+from rota.planners.patrol.methods.sun2019.sensors import greedy_cover
 from rota_studies.sun2019_method.ccpso2 import Evolution, evolve
 from rota_studies.sun2019_method.mission_settings import SensorSettings
 from rota_studies.sun2019_stages.algorithms import Cover, SensorCover

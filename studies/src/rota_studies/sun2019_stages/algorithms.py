@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.mission import Robot
 from rota.model.planner_settings import setting
-from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover
+from rota.planners.patrol.methods.sun2019.sensors import exact_cover, greedy_cover
 from rota_studies.sun2019_stages.frame import Frame, PartFrame, radius_m
 from rota_studies.sun2019_stages.local_search import locally_shortest_tour
 from rota_studies.sun2019_stages.partition import Partition, partition_frame

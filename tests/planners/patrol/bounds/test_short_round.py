@@ -9,7 +9,7 @@ import pytest
 import shapely
 from tests.planners.patrol.bounds.test_tour_bound import ROBOT, SPEED_M_S, places
 
-from rota.planners.patrol.bounds.short_round import points_passed, robots_on_rounds
+from rota.planners.patrol.bounds.tour_bound import points_passed, robots_on_rounds
 from rota.planners.patrol.bounds.witness_points import Witnesses
 
 SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]

@@ -10,9 +10,8 @@ from tests.planners.patrol.searching import YARD
 
 from rota.planners.patrol.bounds import tour_bound as tour_bound_module
 from rota.planners.patrol.bounds.length_kernels import LONGEST, Tasks, is_longer
-from rota.planners.patrol.bounds.short_round import robots_on_rounds
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.bounds.tour_bound import spread_out, tour_bound
+from rota.planners.patrol.bounds.tour_bound import robots_on_rounds, spread_out, tour_bound
 from rota.planners.patrol.bounds.witness_points import Witnesses
 
 ROBOT = strongest_robot(YARD.fleet)

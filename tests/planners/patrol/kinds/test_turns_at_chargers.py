@@ -10,7 +10,7 @@ from rota import DiscSensor, Fleet, Mission, PatrolSettings, Plan, Trajectory, Z
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Kind
 from rota.model.plan import Charge
-from rota.planners.patrol.kinds.turns_at_chargers import later_with_room, turns_beside
+from rota.planners.patrol.kinds.parts import later_with_room, turns_beside
 
 PAD = Charger(name="pad", at=(50, 5), places=1)
 ZONES = tuple(

@@ -17,8 +17,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.model.motion_limits import MotionLimits
-from rota.planners.patrol.relief.two_ways import passing_ways
-from rota.planners.patrol.relief.ways import Ways
+from rota.planners.patrol.relief.ways import Ways, passing_ways
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
 BODY_M = 0.5

@@ -21,8 +21,7 @@ from rota.model.polygons import polygons_of
 from rota.planners.patrol.cycles.teams import Share
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.route_graph.network import calls_of, network_of
-from rota.planners.patrol.route_graph.plan_on_graph import lines_in_step
-from rota.planners.patrol.route_graph.rounds import plain_shares, with_spare_robots
+from rota.planners.patrol.route_graph.plan_on_graph import lines_in_step, plain_shares, with_spare_robots
 
 Place = tuple[float, float]
 

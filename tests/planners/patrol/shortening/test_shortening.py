@@ -22,17 +22,21 @@ from rota.planners.patrol.loop_settings import ShorteningAttempt, ShorteningStag
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.shortening import search
-from rota.planners.patrol.shortening.measures import is_better, loops_m, rounds_of, turning_rad
 from rota.planners.patrol.shortening.search import (
+    as_if_turning_cost,
+    as_they_were,
+    is_better,
     led_past_the_rest,
+    loops_m,
     pull_tight,
     reaches,
     repair_for_length,
+    rounds_of,
     shortened_further,
+    turning_rad,
     with_better_loops,
     with_rounds,
 )
-from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 FIELD = Mission(

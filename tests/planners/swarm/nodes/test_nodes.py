@@ -13,9 +13,8 @@ from rota.model.fleet import SquareSensor
 from rota.model.mission import MovingObstacle
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN, no_faster
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.nodes.believing import Belief
 from rota.planners.swarm.nodes.hearing import Known
-from rota.planners.swarm.nodes.node import RobotNode
+from rota.planners.swarm.nodes.node import Belief, RobotNode
 from rota.planners.swarm.nodes.scene import Scene, scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
 from rota.planners.swarm.planner import make_swarm

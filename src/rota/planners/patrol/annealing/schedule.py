@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from rota.model.arrays import Floats
-from rota.planners.patrol.annealing.progress import progress_teller
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.settings import Stage
 from rota.planners.patrol.tours.tour import Tour
+from rota.planning.progress import SearchState
 
 
 def anneal_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int, coarse: bool) -> list[Annealed]:
@@ -116,3 +117,29 @@ def length_weights(tours: list[Tour]) -> Floats:
     """
     slowest_s = max(tour.period_s for tour in tours)
     return np.minimum([0.3 * slowest_s / tour.period_s for tour in tours], 0.8)
+
+
+def progress_teller(context: Context, search: Annealing, points: SamplePoints) -> Callable[[int], None]:
+    """What to call after every stretch of annealing: tells how the tours then stand, if anybody watches.
+
+    points: the samples of the search, in its order.
+    """
+    watch = context.watch
+    if watch is None:
+        return lambda moves: None
+    whole_m2 = float(points.area_m2.sum())
+    robots = sum(tour.robots for tour in search.tours)
+
+    def tell(moves: int) -> None:
+        """Tell the watcher how the tours stand, whatever number of moves was made."""
+        unseen_m2 = float(points.area_m2[search.unseen_samples].sum())
+        watch(
+            SearchState(
+                stage="searched",
+                robots=robots,
+                unseen_share=unseen_m2 / whole_m2 if whole_m2 else 0.0,
+                late_share=search.over_budget_share,
+            )
+        )
+
+    return tell

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from scipy.optimize import linear_sum_assignment
 from shapely import MultiPolygon
 
 from rota.errors import NoPlanFound, PlanError
 from rota.geometry.free_space import free_ground
-from rota.model.mission import Robot
+from rota.model.mission import Robot, Zone, inner_reach_m
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.handover.abilities import drivers_of
+from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
 from rota.planners.patrol.handover.joining import Entries, Standing, heading_of, join_at, join_evenly, stand_by
 from rota.planners.patrol.handover.on_lanes import takeovers_on_lanes
@@ -32,6 +33,7 @@ from rota.planners.patrol.handover.rounds import (
     slow_down,
 )
 from rota.planners.patrol.handover.shares import Share, Sharing, sharings
+from rota.planners.patrol.tolerances import TIE
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
@@ -293,3 +295,28 @@ class _Takeover:
         with suppress(NoPlanFound, PlanError):
             led = lead_from_starts(Plan(mission=self.mission, trajectories=tuple(loops)), self.mission, None)
             yield replace(led, seed=self.asked.seed, seam=self.asked.seam)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driver:
+    """A robot that drove a round, and the names of sensors that count for each zone on its way where its own did."""
+
+    robot: Robot
+    counting: tuple[tuple[str, ...], ...]
+
+    def shortfalls(self, other: Robot) -> int:
+        """In how many respects another robot is no match: speed, reach, and whether it counts for all these zones."""
+        slower = other.ground_speed_m_s < (1 - TIE) * self.robot.ground_speed_m_s
+        nearer = inner_reach_m(other.sensor) < (1 - TIE) * inner_reach_m(self.robot.sensor)
+        return slower + nearer + any(other.sensor.name not in names for names in self.counting)
+
+
+def drivers_of(zones: Sequence[Zone], line: TimedLine, robots: Sequence[Robot]) -> list[Driver]:
+    """The robots that drove a round as its drivers, one of each kind."""
+    way = shapely.linestrings(line.places_m) if len(line.places_m) > 1 else shapely.points(line.places_m[0])
+    found: dict[tuple[object, ...], Driver] = {}
+    for robot in robots:
+        near = [zone for zone in zones if zone.shape.distance(way) <= robot.sensor.reach_m]
+        counting = tuple(zone.sensors for zone in near if robot.sensor.name in zone.sensors)
+        found[robot.ground_speed_m_s, robot.sensor] = Driver(robot=robot, counting=counting)
+    return list(found.values())

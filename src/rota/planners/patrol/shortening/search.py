@@ -8,12 +8,15 @@ they are hot, where few samples are enough; then finer ones take over.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rota.planners.patrol.annealing.search import LONGEST_LEG, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -24,10 +27,9 @@ from rota.planners.patrol.repair.bending import layout
 from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.repair.little_overlap import with_little_overlap
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.shortening.measures import is_better, is_too_long, rounds_of
 from rota.planners.patrol.shortening.spikes import spikes, without
-from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
-from rota.planners.patrol.tours.tour import Tour
+from rota.planners.patrol.tolerances import ROUNDING
+from rota.planners.patrol.tours.tour import Tour, nests, tour_length_m, unfold_nests
 
 LARGEST = 2_000  # reaches of ideal loop, beyond which ground is left as it is
 
@@ -242,3 +244,59 @@ def ideal_reaches(problem: Problem) -> float:
     """The same, however short; 0 where places are visited and nothing else is asked."""
     asked_m2 = sum(region.shape.area for region in problem.regions if region.demand == "every_point")
     return float(asked_m2 / problem.swath_m / problem.reach_m)
+
+
+def as_if_turning_cost(tours: Sequence[Tour], metres: float) -> list[Tour]:
+    """The tours with robots that take as long to turn by one radian as to drive so many metres.
+
+    Periods are longer by what the turns that are likely to stay take. The tours of nests, whose rounds share their
+    budgets, stay as they are.
+    """
+    return [tour if tour.nest >= 0 else _turning(tour, metres) for tour in tours]
+
+
+def _turning(tour: Tour, metres: float) -> Tour:
+    """One tour with a robot that takes time to turn."""
+    speed_m_s = driving_of(tour.robot).pace_m_s
+    # a fifth of the turning is likely to go away
+    more_s = 0.8 * metres * float(turns_rad(tour.vertices_m).sum()) / (speed_m_s * tour.robots)
+    robot = replace(tour.robot, turn_rate_rad_s=speed_m_s / metres)
+    return replace(tour, robot=robot, period_s=tour.period_s + more_s)
+
+
+def as_they_were(tried: Sequence[Tour], tours: Sequence[Tour]) -> list[Tour]:
+    """The tours (k,) with the places of those that were tried (k,)."""
+    return [replace(tour, vertices_m=other.vertices_m) for tour, other in zip(tours, tried, strict=True)]
+
+
+def loops_m(tours: Sequence[Tour]) -> float:
+    """Metres of one round of every loop as it is driven, turning counted as the metres that take the same time."""
+    return sum(tour_length_m(tour) for tour in unfold_nests(tours))
+
+
+def turning_rad(tours: Sequence[Tour]) -> float:
+    """By how much the direction changes in one round of every loop as it is driven, in all."""
+    return float(sum(turns_rad(tour.vertices_m).sum() for tour in unfold_nests(tours)))
+
+
+def rounds_of(tours: Sequence[Tour]) -> list[int]:
+    """How often each tour (k) is driven in one round of its loop: a hub once for each petal that leads anywhere."""
+    rounds = [1] * len(tours)
+    for hub, *petals in nests(tours):
+        rounds[hub] = max(1, sum(len(tours[k].vertices_m) > 1 for k in petals))
+    return rounds
+
+
+def is_too_long(tours: Sequence[Tour], old: Sequence[Tour]) -> bool:
+    """Whether loops are so much longer than others that more rounds of repair will hardly make them shorter."""
+    return loops_m(tours) > 1.005 * loops_m(old)  # later rounds of repair take half a percent back, hardly ever more
+
+
+def is_better(new: Repaired, old: Repaired, *, fewest_turns: bool) -> bool:
+    """Whether a plan that is met has no more robots, and shorter loops, or loops no longer that turn less."""
+    if not new.met or new.robots > old.robots:
+        return False
+    length_m, least_m = loops_m(new.tours), loops_m(old.tours)
+    if fewest_turns:
+        return length_m <= least_m and turning_rad(new.tours) < turning_rad(old.tours)
+    return length_m < least_m * (1 - ROUNDING)

@@ -9,7 +9,7 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.initial.allocation import period_groupings
-from rota.planners.patrol.methods.fewest.multistart import anneal_in_full
+from rota.planners.patrol.methods.fewest.team_size_plan import anneal_in_full
 from rota.planners.patrol.settings import MultistartSettings
 
 

@@ -9,7 +9,7 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.initial.allocation import Allocation, allocations, period_groupings
-from rota.planners.patrol.methods.fewest.screening import screen, successive_halving
+from rota.planners.patrol.methods.fewest.team_size_plan import screen, successive_halving
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import shapely
 from shapely import LinearRing, MultiPolygon, Point, Polygon, box
 
 from rota.model.mission import DiscSensor, SquareSensor
-from rota.planners.patrol.methods.large.rings import ring_over
+from rota.planners.patrol.methods.large.lanes import ring_over
 from rota.planners.patrol.methods.large.rows import (
     MOST_LANES,
     LaneCell,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from rota.planners.patrol.methods.sun2019.cover import exact_cover, greedy_cover, leave_out_dominated
+from rota.planners.patrol.methods.sun2019.sensors import exact_cover, greedy_cover, leave_out_dominated
 
 
 def lists(sees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

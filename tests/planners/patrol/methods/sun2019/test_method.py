@@ -20,7 +20,7 @@ from rota.files.mission_file import read_mission
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.mission_settings import Sun2019
-from rota.planners.patrol.methods.sun2019.partition import Cutting
+from rota.planners.patrol.methods.sun2019.search import Cutting
 from rota.planners.patrol.methods.sun2019.sensors import Frame, deployed_sensors, frames_past_sensors
 from rota.planners.patrol.planner_settings import PatrolSettings
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
-from rota.planners.patrol.repair.bending.solver import GrowingProgram
+from rota.planners.patrol.repair.bending.program import GrowingProgram
 
 
 def test_by_hand() -> None:

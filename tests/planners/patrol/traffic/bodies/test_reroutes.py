@@ -10,9 +10,8 @@ from tests.planners.patrol.traffic.bodies.driving import BODY_M, closest_m, fast
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-from rota.planners.patrol.traffic.bodies.exchanges import change_over, cut_in_two
 from rota.planners.patrol.traffic.bodies.lanes import in_lanes, round_those_who_stay
-from rota.planners.patrol.traffic.bodies.reroutes import reroute
+from rota.planners.patrol.traffic.bodies.reroutes import change_over, cut_in_two, reroute
 from rota.planners.patrol.traffic.bodies.timing import can_be_timed, timed_rounds
 
 NARROW = box(-1, -0.6, 21, 0.6)  # robots of half a metre cannot pass each other

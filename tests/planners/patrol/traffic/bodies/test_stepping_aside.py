@@ -11,8 +11,14 @@ from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies import timing
 from rota.planners.patrol.traffic.bodies.loops import Timed, loop_of
-from rota.planners.patrol.traffic.bodies.stepping_aside import longest_free, near_times, round_between, waiting_place
-from rota.planners.patrol.traffic.bodies.timing import crowds_that_touch, timed_rounds
+from rota.planners.patrol.traffic.bodies.timing import (
+    crowds_that_touch,
+    longest_free,
+    near_times,
+    round_between,
+    timed_rounds,
+    waiting_place,
+)
 
 PERIOD_S = 40.0
 POCKET = tour([(0, 0), (0, 0.3)], PERIOD_S)

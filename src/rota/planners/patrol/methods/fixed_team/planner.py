@@ -13,13 +13,12 @@ from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import stretch_periods
 from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.cycles.search import Team as Visiting, first_met, teams_for_all, teams_in_step
 from rota.planners.patrol.methods.fewest.search import share_of_progress, with_less_effort
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
-from rota.planners.patrol.methods.fixed_team.for_targets import plan_for_targets
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
 from rota.planners.patrol.methods.fixed_team.one_loop import is_one_loop, shortest_loop
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
-from rota.planners.patrol.methods.fixed_team.reasons import apart, best_ratio, too_few
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.team_tours import join_for_team, starts_per_component, with_helpers
 from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
@@ -29,7 +28,14 @@ from rota.planners.patrol.methods.sweeping.first_plan import sweep
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour, unfold_nests
-from rota.planners.patrol.verdict import Verdict, robots_in_words, touching, worst_demand, worst_reached
+from rota.planners.patrol.verdict import (
+    Verdict,
+    demand_in_words,
+    robots_in_words,
+    touching,
+    worst_demand,
+    worst_reached,
+)
 
 
 def searching_longer_periods(context: Context) -> Context:
@@ -204,3 +210,75 @@ def plan_from_fewest(context: Context, fewest: Repaired, team: Team) -> Plan:
         return plan
     detail += f"; with {robots_in_words(robots)} {worst_reached(verdict)}"
     raise NoPlanFound(too_few(context, robots, detail), best=plan)
+
+
+def plan_for_targets(context: Context, anyone: Context, team: Team, *, plain: bool) -> Plan | None:
+    """The plan for all robots of the team with which the periods are kept with most to spare; None where none passes.
+
+    anyone: the search without the fleet's own robots. plain: whether it is also tried where rounds that come to each
+    place once need no more robots: the usual search brings those to lower ratios.
+    """
+    teams = teams_for_all(anyone)
+    teams = [*teams_in_step(anyone, teams, team.robots), *teams]
+    teams = [visiting for visiting in teams if visiting.robots <= team.robots]
+    if not teams or (teams[0].is_plain and not plain):
+        return None
+    for candidates in (with_least_stretch(anyone, teams, team.robots), teams):
+        found = first_met(anyone, candidates)
+        whole = None if found is None else with_whole_team(context, found, team)
+        if whole is not None:
+            return whole.plan
+    return None
+
+
+def with_least_stretch(anyone: Context, teams: list[Visiting], robots: int) -> list[Visiting]:
+    """Teams of at most so many robots for periods shortened as far as some are found; those given at worst."""
+    least, most = 0.25, 1.0  # of the periods: rounds for shorter ones are not looked for
+    for _ in range(6):
+        middle = (least + most) / 2
+        shorter = replace(anyone, problem=stretch_periods(anyone.problem, middle))
+        found = [visiting for visiting in teams_for_all(shorter) if visiting.robots <= robots]
+        if found:
+            teams, most = found, middle
+        else:
+            least = middle
+    return teams
+
+
+def too_few(context: Context, robots: int, detail: str, *, least_ratio: float = 0.0) -> str:
+    """That so many robots do not meet the demand, whether that is proved, the detail, and what is proved.
+
+    least_ratio: what is proved of the worst ratio of gap to period with so many robots; 0: nothing.
+    """
+    if context.bound.robots > robots:
+        opening = f"{robots_in_words(robots)} cannot meet the demand"
+    else:
+        opening = f"no plan was found with which {robots_in_words(robots)} meet the demand"
+    proved = f"proved: at least {robots_in_words(max(context.bound.robots, 1))} ({context.bound.reason})"
+    if least_ratio > 0:
+        proved += f", and with {robots_in_words(robots)} no worst gap below {least_ratio:.3f} times its period"
+    return f"{opening}: {detail}; {proved}"
+
+
+def best_ratio(verdict: Verdict, ratio: float, *, reserve: bool) -> str:
+    """What the plan with the smallest worst ratio misses most, or which bodies touch in it.
+
+    ratio: of its worst gap to the period that is asked. reserve: whether that period is shorter than the mission's.
+    """
+    crowded = touching(verdict)
+    if ratio <= 1 and crowded is not None:
+        return crowded
+    worst = worst_demand(verdict)
+    assert worst is not None
+    return (
+        f"at best, in {demand_in_words(worst)}, the worst gap is {worst.worst_gap_s:.6g} s, {ratio:.3f} times its"
+        f" period{' less the reserve' if reserve else ''}"
+    )
+
+
+def apart(components: int) -> str:
+    """That each component of the standing space needs a robot of its own."""
+    return (
+        f"the ground falls into {components} parts between which no robot can travel, and each must be watched by a"
+        " robot of its own"
+    )

@@ -13,20 +13,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon
+from shapely import LineString, MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.arrays import Floats, Ints
+from rota.model.mission import DiscSensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
-from rota.planners.patrol.methods.large.rings import ring_over
 from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_measures
-from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turn_shape, turning
+from rota.planners.patrol.methods.sweeping.lanes import Swath, common_part, lane_ends, polygons, turn_shape, turning
 from rota.planners.patrol.methods.sweeping.methods import BALANCING, burden, load, meets_itself, not_more, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
-from rota.planners.patrol.tolerances import ON_LINE_M, ROUNDING
+from rota.planners.patrol.tolerances import ON_LINE_M, ROUNDING, SAME_PLACE_M
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 MOST_SHARING = 12  # robots of one district or joined tour: what there is to check grows with their square
@@ -257,3 +257,24 @@ def space_near(problem: Problem, ground: SweepGround) -> MultiPolygon | None:
     asked = shapely.union_all([ground.shape, *shapely.points(ground.stops_m)])
     pieces = [piece for piece in polygons_of(shapely.intersection(part, box)).geoms if shapely.intersects(piece, asked)]
     return MultiPolygon(pieces) if len(pieces) == 1 else None
+
+
+def ring_over(column: Column, swath: Swath) -> Floats:
+    """A closed polyline (k, 2), in the frame of the lanes, from which all of the column is seen in the open.
+
+    Lanes lead straight past holes in their ground. With an even number of lanes the way back is along the left ends; an
+    inner lane then begins where that way sees no further. With an odd one it is straight across.
+    """
+    ends = np.array([lane_ends(part, y, swath) for part, y in zip(column.lanes, column.heights_m, strict=True)])
+    lanes = len(ends)
+    back = np.column_stack([ends[:, 0], column.heights_m])[::-1] if lanes % 2 == 0 else np.zeros((0, 2))
+    if lanes > 2 and len(back) and isinstance(swath.sensor, DiscSensor):
+        seen = LineString(back).buffer(swath.half_m)
+        for j in range(1, lanes - 1):
+            rest = shapely.difference(column.lanes[j], seen)
+            ends[j] = lane_ends(rest, column.heights_m[j], swath) if not rest.is_empty else (ends[j, 1], ends[j, 1])
+    there = np.stack([ends, np.repeat(column.heights_m[:, None], 2, axis=1)], axis=2)  # lane, end, axis
+    there[1::2] = there[1::2, ::-1]
+    ring = np.vstack([there.reshape(-1, 2), back[1:-1]])
+    closed = LineString(np.vstack([ring, ring[:1]])).simplify(SAME_PLACE_M)
+    return np.asarray(shapely.get_coordinates(closed)[:-1])
