@@ -24,16 +24,13 @@ class BouncePlanner(Planner):
 
         Raises NoPlanFound, with the best there is, when cells stay uncovered or no team watches all zones.
         """
-        from functools import partial
-
         from rota.planners.bounce.planner import plan_bounce
 
-        plan_one = partial(plan_bounce, seed=request.seed, should_stop=request.should_stop)
         if not BounceSettings.of(request.mission).bouncing_angles_deg:
             from rota.planners.bounce.any_angle import plan_any_angle
 
-            return plan_any_angle(request, lambda mission, progress: plan_one(mission, progress=progress))
-        return plan_one(request.mission, progress=request.progress)
+            return plan_any_angle(request, plan_bounce)
+        return plan_bounce(request)
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """The table of robots and loops, what the search found, and what is left of the plan when turns are inexact."""

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from rota.errors import MissionError, NoPlanFound
-from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import rattling_robots
@@ -47,7 +46,7 @@ def angles_to_try(settings: BounceSettings) -> tuple[float, ...]:
     return tuple(360 * k / settings.headings for k in range(1, settings.headings))
 
 
-def plan_any_angle(request: Request, plan_one: Callable[[Mission, Callable[[float, str], None]], Answer]) -> Answer:
+def plan_any_angle(request: Request, plan_one: Callable[[Request], Answer]) -> Answer:
     """The best plan of all angles, its mission with that angle, and a sentence on all of them.
 
     Fewest robots count first, then fewest rattles among them, then the shortest worst gap where the mission asks for
@@ -65,7 +64,8 @@ def plan_any_angle(request: Request, plan_one: Callable[[Mission, Callable[[floa
             request.progress((k + share) / len(angles), f"{angles[k]:g} degrees: {doing}")
 
         tell(0.0, "planning")
-        tried.append(_one(request, replace(settings, bouncing_angles_deg=(angle_deg,)), plan_one, tell))
+        mission = replace(request.mission, planning=replace(settings, bouncing_angles_deg=(angle_deg,)))
+        tried.append(_one(replace(request, mission=mission, progress=tell), angle_deg, plan_one))
     works = [one for one in tried if one.answer is not None]
     if not works:
         reasons = "; ".join(f"{one.angle_deg:g}: {one.why}" for one in tried)
@@ -75,16 +75,10 @@ def plan_any_angle(request: Request, plan_one: Callable[[Mission, Callable[[floa
     return replace(best.answer, facts=(_sentence(best, tried), *best.answer.facts))
 
 
-def _one(
-    request: Request,
-    settings: BounceSettings,
-    plan_one: Callable[[Mission, Callable[[float, str], None]], Answer],
-    told: Callable[[float, str], None],
-) -> _Tried:
+def _one(request: Request, angle_deg: float, plan_one: Callable[[Request], Answer]) -> _Tried:
     """What one angle comes to: its plan counts if the check says that it is met."""
-    (angle_deg,) = settings.bouncing_angles_deg
     try:
-        answer = plan_one(replace(request.mission, planning=settings), told)
+        answer = plan_one(request)
     except (MissionError, NoPlanFound) as error:
         return _Tried(angle_deg=angle_deg, why=str(error).split("; ")[0])  # without what else might do
     report = request.judge(answer.plan)
@@ -100,7 +94,7 @@ def _best(works: list[_Tried], settings: BounceSettings, request: Request) -> _T
     if settings.task == "monitor" and settings.purpose == "worst_gap":
         return min(best, key=lambda one: one.ratio)
     plans: list[Plan] = [one.answer.plan for one in best if one.answer is not None]
-    return best[most_robust(plans, request.progress, request.should_stop)]
+    return best[most_robust(plans, request)]
 
 
 def _sentence(best: _Tried, tried: list[_Tried]) -> str:

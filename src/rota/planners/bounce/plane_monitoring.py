@@ -23,6 +23,7 @@ from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import is_rattle
 from rota.planners.bounce.robust_team import CANDIDATES, most_robust
 from rota.planners.bounce.starts import robots_of
+from rota.planning.planner import Request
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
 MOST_TEAMS = 100_000  # that are looked at
@@ -38,22 +39,21 @@ class PlaneTeam:
     ratio: float
 
 
-def plan_in_plane(
-    mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
-) -> tuple[Plan, PlaneTeam]:
+def plan_in_plane(request: Request) -> tuple[Plan, PlaneTeam]:
     """A plan by which robots without a grid visit all zones for ever along attracting limit cycles, and the team.
 
     For as few robots as possible teams of 1, 2, ... are tried. Raises NoPlanFound when no team visits all zones. A team
     that visits them too seldom is given all the same.
     """
+    mission = request.mission
     counts = [None] if mission.fleet.robots is not None else list(range(1, MOST_FEWEST + 1))
     best: PlaneTeam | None = None
     for k, count in enumerate(counts):
-        progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
-        team = free_team(mission, seed=seed, count=count, should_stop=should_stop, progress=progress)
+        request.progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
+        team = free_team(request, count)
         if team is not None and (best is None or team.ratio < best.ratio):
             best = team
-        if (best is not None and best.ratio <= 1) or should_stop():
+        if (best is not None and best.ratio <= 1) or request.should_stop():
             break
     if best is None:
         most = "up to " * (count is not None) + f"{count or len(mission.fleet.robots or ())} robots"
@@ -61,25 +61,19 @@ def plan_in_plane(
             f"no team of {most} on attracting limit cycles keeps apart so that each zone is visited; other bouncing"
             " angles, or cells (bounce.cells: grid), may do"
         )
-    return Plan(mission=mission, trajectories=tuple(_trajectories(best)), seed=seed), best
+    return Plan(mission=mission, trajectories=tuple(_trajectories(best)), seed=request.seed), best
 
 
-def free_team(
-    mission: Mission,
-    *,
-    seed: int,
-    count: int | None = None,
-    should_stop: Callable[[], bool] = lambda: False,
-    progress: Callable[[float, str], None] = lambda share, doing: None,
-) -> PlaneTeam | None:
+def free_team(request: Request, count: int | None) -> PlaneTeam | None:
     """The team with the smallest worst ratio of gap to period, the first that meets all periods, or the most robust.
 
     count: robots, of a fleet of as few as possible. None where no team visits all zones without contact. Raises
     MissionError for zones that no attracting limit cycle of any robot enters.
     """
+    mission, seed = request.mission, request.seed
     robots = robots_of(mission, count)
     tracks, owners = _tracks(mission, robots, seed)
-    search = _Search(mission, robots, tracks, owners, should_stop)
+    search = _Search(mission, robots, tracks, owners, request.should_stop)
     for narrowed in _kinds_of_tracks(tracks):
         # cycles that hold first; the others where these do not serve
         search.allowed = narrowed
@@ -92,7 +86,7 @@ def free_team(
     chosen = np.unique(np.linspace(0, len(meeting) - 1, CANDIDATES).round().astype(int))
     teams: list[PlaneTeam] = [meeting[k] for k in chosen]
     plans = [Plan(mission=mission, trajectories=tuple(_trajectories(team)), seed=seed) for team in teams]
-    return teams[most_robust(plans, progress, should_stop)]
+    return teams[most_robust(plans, request)]
 
 
 def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[list[Track], list[int]]:

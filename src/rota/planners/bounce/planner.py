@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +27,7 @@ from rota.planners.bounce.starts import random_starts, robots_of, start_cells
 from rota.planners.bounce.timed_group import TimedGroup, timed_group
 from rota.planners.bounce.trajectories import Pace, pace_of, trajectory
 from rota.planners.bounce.unreached import places_of, unreached_parts
-from rota.planning.planner import Answer
+from rota.planning.planner import Answer, Request
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
 
@@ -61,20 +60,18 @@ def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) ->
     return Bouncing(mission=mission, cells=cells, robots=robots, team=team, apart_m=apart_m, pace=pace)
 
 
-def plan_bounce(
-    mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
-) -> Answer:
+def plan_bounce(request: Request) -> Answer:
     """A plan that monitors or covers, as the mission's task is, with sentences on what the search knows.
 
     Raises NoPlanFound, with the best plan there is, when cells stay uncovered or no team watches all zones.
     """
-    settings = BounceSettings.of(mission)
+    settings = BounceSettings.of(request.mission)
     if settings.cells == "none":
-        plan, team = plan_in_plane(mission, seed=seed, progress=progress, should_stop=should_stop)
+        plan, team = plan_in_plane(request)
         return Answer(plan=plan, facts=(cycles_sentence(team),))
     if settings.task == "cover":
-        return plan_coverage(mission, seed=seed)
-    return plan_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
+        return plan_coverage(request.mission, seed=request.seed)
+    return plan_monitoring(request)
 
 
 # ---------------------------------------------------------------- covering
@@ -136,31 +133,26 @@ def uncovered_reason(bouncing: Bouncing, coverage: Coverage) -> str:
 # ---------------------------------------------------------------- monitoring
 
 
-def plan_monitoring(
-    mission: Mission,
-    *,
-    seed: int,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-) -> Answer:
+def plan_monitoring(request: Request) -> Answer:
     """A plan by which the robots visit all zones with a period for ever, without contact on their cycles.
 
     For as few robots as possible, teams of 1, 2, ... are tried until one meets all periods. Raises NoPlanFound when no
     team that watches all zones is found; a team that visits them too seldom is given all the same.
     """
+    mission, seed, should_stop = request.mission, request.seed, request.should_stop
     cells, settings = make_cells(mission), BounceSettings.of(mission)
     counts = [None] if mission.fleet.robots is not None else list(range(1, MOST_FEWEST + 1))
     best: tuple[Bouncing, Watch, Choice, TimedGroup] | None = None
     unproved: str | None = None
     for k, count in enumerate(counts):
-        progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
+        request.progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
         bouncing = bouncing_robots(mission, cells, count)
         watch = watch_of(bouncing)
         choice = choose_group(watch, bouncing.team, mission, bouncing.robots, cells, seed=seed, should_stop=should_stop)
         unproved = unproved or choice.unproved
         if choice.chosen is not None:
             if settings.purpose == "robust":
-                choice = robust_choice(bouncing, watch, choice, seed, progress, should_stop)
+                choice = robust_choice(request, bouncing, watch, choice)
             assert choice.chosen is not None
             best = bouncing, watch, choice, timed_group(bouncing.pace, cells.headings, choice.chosen)
             if best[3].ratio(watch, choice.chosen, [z.period_s for z in mission.zones if z.period_s is not None]) <= 1:
@@ -177,20 +169,13 @@ def plan_monitoring(
     return Answer(plan=plan, facts=tuple(fact for fact in facts if fact is not None))
 
 
-def robust_choice(
-    bouncing: Bouncing,
-    watch: Watch,
-    choice: Choice,
-    seed: int,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-) -> Choice:
+def robust_choice(request: Request, bouncing: Bouncing, watch: Watch, choice: Choice) -> Choice:
     """The choice with another group that meets all periods, if one keeps more of its visits when turns are off."""
     settings = BounceSettings.of(bouncing.mission)
     starts = [cell for cell in start_cells(bouncing.cells, bouncing.robots) if cell is not None]
-    groups = candidates(watch, bouncing.team, choice.chosen, starts, settings, seed)
-    plans = [monitoring_plan(bouncing, group, seed) for group in groups]
-    return replace(choice, chosen=groups[most_robust(plans, progress, should_stop)])
+    groups = candidates(watch, bouncing.team, choice.chosen, starts, settings, request.seed)
+    plans = [monitoring_plan(bouncing, group, request.seed) for group in groups]
+    return replace(choice, chosen=groups[most_robust(plans, request)])
 
 
 def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:

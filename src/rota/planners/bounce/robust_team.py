@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from rota.planners.bounce.inexact_plan import Inexact, with_errors
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planning.planner import Request
 
 CANDIDATES = 24  # that are simulated
 FIRST_RUNS, SECOND_RUNS, IN_SECOND = 40, 200, 4  # runs of each, and of the best of them once more
@@ -22,7 +23,7 @@ FEW_NODES = 2_000  # partial teams looked at for the one with the shortest worst
 TRIES = 2000  # random teams
 
 
-def most_robust(plans: Sequence[Plan], progress: Callable[[float, str], None], should_stop: Callable[[], bool]) -> int:
+def most_robust(plans: Sequence[Plan], request: Request) -> int:
     """The number of the plan that keeps most of its visits, and whose bodies touch last among those as good.
 
     Each plan is simulated with the mission's turning error (see ``with_errors``), the best of them more often. Of plans
@@ -35,9 +36,9 @@ def most_robust(plans: Sequence[Plan], progress: Callable[[float, str], None], s
             break
         found: dict[int, Inexact] = {}
         for k, place in enumerate(places):
-            if found and should_stop():
+            if found and request.should_stop():
                 break
-            progress(k / len(places), f"inexact turns, {runs} runs of team {k + 1} of {len(places)}")
+            request.progress(k / len(places), f"inexact turns, {runs} runs of team {k + 1} of {len(places)}")
             found[place] = with_errors(plans[place], most_runs=runs, exact=False)
         places = rank(found)[:left]
     return places[0]
