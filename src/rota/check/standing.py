@@ -22,7 +22,8 @@ from rota.model.mission import Fleet, Mission, Obstacle, Robot, Sensor
 
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
-ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
+# per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far; 2e-5 of few sides
+ARC_STEPS, FINE_ARC_STEPS, FEW_SIDES = 32, 128, 200
 CLEARANCE = 1e-3  # of its radius by which a body keeps off walls on its way from an entrance
 TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 _ONE_AT_A_TIME = threading.Lock()
@@ -39,8 +40,8 @@ class StandingArea:
 def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
-    It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords.
+    It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, or by 2e-5
+    where sides are few, as arcs are replaced by their chords.
     """
     blocked = blocks_motion(obstacles)
     body = body_radius_m - TOUCH_M
@@ -49,7 +50,7 @@ def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m:
     open_ground = shapely.difference(area, blocked)
     sides = np.vstack([segments_of(area), segments_of(blocked)])
     if len(sides) <= TILE_SIDES or open_ground.is_empty:
-        return _out_of(lines_of(sides), body, open_ground)
+        return _out_of(lines_of(sides), body, open_ground, FINE_ARC_STEPS if len(sides) <= FEW_SIDES else ARC_STEPS)
     # where a map is read all around as an obstacle, area and obstacle share their sides
     turned = (sides[:, 0] > sides[:, 2]) | ((sides[:, 0] == sides[:, 2]) & (sides[:, 1] > sides[:, 3]))
     sides = np.unique(np.where(turned[:, None], sides[:, [2, 3, 0, 1]], sides), axis=0)
@@ -59,18 +60,18 @@ def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m:
     def in_tile(box: Box) -> Any:
         frame = shapely.box(*box)
         near = np.sort(tree.query(shapely.buffer(frame, 1.01 * body)))
-        return _out_of(lines[near], body, _cut_to(frame, open_ground))
+        return _out_of(lines[near], body, _cut_to(frame, open_ground), ARC_STEPS)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         return shapely.union_all(list(pool.map(in_tile, _tiles(open_ground.bounds, sides))))
 
 
-def _out_of(lines: Any, body_m: float, ground: Any) -> Any:
-    """The part of the ground that is farther than ``body_m`` from the lines (n,).
+def _out_of(lines: Any, body_m: float, ground: Any, steps: int) -> Any:
+    """The part of the ground that is farther than ``body_m`` from the lines (n,); steps: of a quarter of a circle.
 
     Lines are grown one by one, since offsetting a whole polygon loses corridors only just as wide as the body.
     """
-    return shapely.difference(ground, shapely.union_all(shapely.buffer(lines, body_m, quad_segs=ARC_STEPS)))
+    return shapely.difference(ground, shapely.union_all(shapely.buffer(lines, body_m, quad_segs=steps)))
 
 
 def _tiles(box: Box, sides: Floats) -> Iterator[Box]:

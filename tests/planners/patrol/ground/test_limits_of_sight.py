@@ -109,6 +109,8 @@ def test_arcs_are_fine_at_the_limit_of_sight() -> None:
         corners = fine_arc_corners(body_m)
         assert corners >= 16
         assert body_m * (1 / math.cos(math.pi / corners) - 1) <= 0.0005 + 1e-12
+        finer = fine_arc_corners(body_m, few_walls=True)
+        assert body_m * (1 / math.cos(math.pi / finer) - 1) <= 0.00005 + 1e-12
 
 
 def mission(sensor: Sensor, area: Polygon, closed: Polygon | None = None, *, body_radius_m: float = 0.0) -> Mission:
@@ -218,3 +220,11 @@ def test_corners_are_cut_less_where_what_is_asked_is_seen_only_from_beside_a_wal
     assert set_up_problem(shed).robot.motion.corner_m == 0.125
     plan = rota.make_plan(field(box(6, 6, 9.8, 11)))
     assert rota.check_plan(plan).verdict == "met"
+
+
+def test_bodies_with_square_sensors_see_all_they_can_of_a_wide_no_fly_zone() -> None:
+    # the corners of what is seen of it are arcs, as those of where bodies stand
+    plan = rota.make_plan(mission(SquareSensor(side_m=4), box(0, 0, 20, 16), box(6, 5, 11, 11), body_radius_m=0.2))
+    (area,) = rota.check_plan(plan).demands
+    assert area.outcome == "met"
+    assert area.excluded_area_m2 == pytest.approx((5 - 3.6) * (6 - 3.6) - (1 - math.pi / 4) * 4 * 0.2**2, abs=0.005)

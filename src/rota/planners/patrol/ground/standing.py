@@ -32,6 +32,7 @@ from rota.vehicles.models import MODELS
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 POCKET_ARC_CORNERS = 128  # the same beside pockets of the space, which coarse arcs would part from it
+FEW_CORNERS = 100  # of walls that are drawn as finely as arcs may be
 GRAZE_M = 9e-7  # by so much bodies may touch the walls of a scanned floor; a plan may have them touch by 1e-6 m
 CLEARANCE = 2e-3  # of its radius by which a body keeps off walls on its way from an entrance
 
@@ -72,7 +73,8 @@ def space_for(
         if not at_limit and enters and not hides_more(mission, regions, own, space):
             break
     else:
-        space, sure = _draw(mission, body_m, fine_arc_corners(body_m))
+        few = corners_of(mission) <= FEW_CORNERS
+        space, sure = _draw(mission, body_m, fine_arc_corners(body_m, few_walls=few))
     if space.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
     for region in visits:
@@ -122,8 +124,13 @@ def clear_body_m(mission: Mission, body_radius_m: float) -> float:
 
 def has_many_corners(mission: Mission) -> bool:
     """Whether the area and the obstacles have as many corners as a scanned floor."""
+    return corners_of(mission) > MANY_CORNERS
+
+
+def corners_of(mission: Mission) -> int:
+    """How many corners the area and the obstacles have."""
     shapes = [mission.area, *(obstacle.shape for obstacle in mission.obstacles)]
-    return int(shapely.get_num_coordinates(shapes).sum()) > MANY_CORNERS
+    return int(shapely.get_num_coordinates(shapes).sum())
 
 
 def _drawn_coarsely(mission: Mission, body_radius_m: float) -> tuple[MultiPolygon, MultiPolygon]:
@@ -196,7 +203,10 @@ def drawn_finer(mission: Mission, space: MultiPolygon, parts: Sequence[Polygon],
     return polygons_of(shapely.union_all([space, *finer])) if finer else space
 
 
-def fine_arc_corners(body_radius_m: float) -> int:
-    """Corners of a whole turn round a grown corner that keep a robot at most half a millimetre too far from it."""
-    off_m = 0.0005
+def fine_arc_corners(body_radius_m: float, *, few_walls: bool = False) -> int:
+    """Corners of a whole turn round a grown corner that keep a robot at most half a millimetre too far from it.
+
+    few_walls: a tenth of one, since squares see into no-fly zones from all of an arc; the check draws it finely, too.
+    """
+    off_m = 0.00005 if few_walls else 0.0005
     return max(ARC_CORNERS, math.ceil(math.pi / math.acos(1 / (1 + off_m / max(body_radius_m, off_m)))))

@@ -160,7 +160,7 @@ class _Curve:
         other.points_m = self.points_m.copy()
         other.points_m[v] = place_m
         other._headings = self._headings.copy()
-        near = _directions(other.points_m[[(v - 1) % n, v, (v + 1) % n]], True)[1:2]
+        near = _mean_directions(*other.points_m[[(v - 1) % n, v, (v + 1) % n], None])
         other._headings[v] = _headings(place_m[None], near, self._grid)[0]
         other._lengths, other._words, other._looked = self._lengths.copy(), self._words.copy(), self._looked.copy()
         for k in {(v - 1) % n, v}:
