@@ -23,8 +23,6 @@ from rota.web.tasks.context import Context, with_given_names
 
 # memory that is asked for and not used yet counts here, and a library may loop where it gets none
 ROOM_BYTES = 2**30
-
-
 NO_ROOM = ("bad_alloc", "can't start new thread")  # how GEOS and Python's threads say what others call MemoryError
 TASKS = {
     "validate": "rota.web.tasks.validate:validate",
@@ -167,10 +165,6 @@ def _plan(context: Context, inbox: Inbox, outbox: Outbox, stop: threading.Event)
         outbox.send({"event": "ended", "outcome": "failed", "message": told})
 
 
-if __name__ == "__main__":
-    main()
-
-
 def is_out_of_memory(error: Exception) -> bool:
     """Whether an error says that memory was refused, whichever library was the one to ask for it."""
     return isinstance(error, MemoryError) or any(said in str(error) for said in NO_ROOM)
@@ -190,3 +184,7 @@ def limit_memory(most_bytes: int) -> None:
     most_bytes += ROOM_BYTES
     soft = most_bytes if hard == resource.RLIM_INFINITY else min(most_bytes, hard)
     resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+if __name__ == "__main__":
+    main()
