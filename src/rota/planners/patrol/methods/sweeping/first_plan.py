@@ -37,7 +37,9 @@ def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
     proposals = list(first_proposals(sequential_once(settings.sweeping.angles), hasty))
     proposals = [proposal for proposal in proposals if not any(map(is_crowded, proposal.tours))]
     for proposal in sorted(proposals, key=lambda proposal: proposal.rank)[: settings.sweeping.tries]:
-        rounds = settings.repair.rounds
+        # what curves miss the check finds turn by turn
+        on_arcs = context.problem.robot.turn_radius_m > 0
+        rounds = settings.repair.patient_rounds if on_arcs else settings.repair.rounds
         # behind small obstacles next to nothing is hidden, which the check finds sliver by sliver
         extra = missed_nooks(hasty, proposal.tours) if context.problem.lanes_overlap_m > 0 else no_points()
         lanes = repair_until_feasible(hasty, proposal.tours, extra, may_add=True, rounds=rounds)
