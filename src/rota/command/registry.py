@@ -38,9 +38,8 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except typer.BadParameter as bad:
-            faults: list[dict[str, Any]] = getattr(
-                bad.__cause__, "errors", list
-            )()  # pydantic's, by which typer reads values
+            # pydantic's, by which typer reads values
+            faults: list[dict[str, Any]] = getattr(bad.__cause__, "errors", list)()
             kinds = [each["type"].replace("_parsing", "_type") for each in faults]
             told = [refusal(kind, each["input"], each.get("ctx", {})) for kind, each in zip(kinds, faults, strict=True)]
             if bad.param is None or not any(told):
