@@ -1,14 +1,15 @@
-"""How many workers share the tests, and in which order."""
+"""In which order copies of the process that has collected the tests share them, and from where on they do."""
 
 from __future__ import annotations
 
 import gc
-import os
 import signal
 from pathlib import Path
 
 import pytest
 from tests.browser import chromium, started_chromium
+from tests.shared_out import copies_asked_for, share_out
+from tests.warm_process import begin_one
 
 __all__ = ["chromium", "started_chromium"]
 
@@ -18,7 +19,13 @@ PROJECT = Path(__file__).parents[1]
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# each worker begins with a part of the tests: patrol's kernels, a minute's work, are compiled by the first one while
+# to look through modules and tests again and again while they are loaded takes a tenth of that time
+gc.disable()
+
+# tests of many programs that are copies of a process that has loaded what they need
+OF_PROGRAMS = ("web", "command")
+
+# each copy begins with a part of the tests: patrol's kernels, a minute's work, are compiled by the first one while
 # others have the check, bounces and browsers to do; who is done takes from the end of another's
 ORDER = (
     "planners/patrol",
@@ -40,15 +47,28 @@ def place_in_order(item: pytest.Item) -> int:
     return next((k for k, folder in enumerate(ORDER) if path.startswith(folder + "/")), len(ORDER))
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """Two processes more than cores: robots that go by real time, and browsers, keep them waiting."""
-    return (os.cpu_count() or 1) + 2
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--copies", metavar="N", help="share the tests out among N copies of this process, or 'auto'")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     # the modules that are loaded and the tests stay: to look through them again and again took 3 % of the time
     gc.collect()
     gc.freeze()
-    if "PYTEST_XDIST_WORKER" in os.environ:
+    gc.enable()
+    if copies_asked_for(config):
         items.sort(key=place_in_order)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> bool | None:
+    asked = session.config.option
+    collected = session.items and not asked.collectonly
+    if not collected or (session.testsfailed and not asked.continue_on_collection_errors):
+        return None
+    if not copies_asked_for(session.config):
+        return None
+    if any(folder in item.path.parts for item in session.items for folder in OF_PROGRAMS):
+        begin_one()  # one for all
+    share_out(session)
+    return True

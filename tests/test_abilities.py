@@ -48,8 +48,8 @@ print(json.dumps(told))
 
 
 def with_payloads(folder: Path) -> Path:
-    """A copy of Rota with the ability that the page adds; what it changes is in two modules."""
-    shutil.copytree(SOURCE / "rota", folder / "rota", ignore=shutil.ignore_patterns("__pycache__"))
+    """A copy of Rota with the ability that the page adds; all but the two modules that it changes stay compiled."""
+    shutil.copytree(SOURCE / "rota", folder / "rota")
     field, made_of_it, judged = python_of(recipe("Add an ability"))
     fleet, motion = folder / "rota/model/fleet.py", folder / "rota/check/motion.py"
     text = fleet.read_text()
