@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from shapely import MultiPolygon, box, union_all
+from tests.planners.patrol.searching import YARD
 
 from rota.files.mission_file import read_mission
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
+from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.ground.problem import set_up_problem
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -202,3 +205,18 @@ def test_areas_and_periods_alone_prove_no_more_than_all_proofs() -> None:
     assert 1 <= quick.robots <= best.robots
     open_field = set_up_problem(replace(corridor, area=box(0, 0, 60, 60), period_s=60))
     assert prove_by_area(open_field).robots == prove_bound(open_field).robots > 1
+
+
+def test_what_surely_is_seen_is_worked_out_once_for_all_proofs_of_a_problem(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    def areas(*given: Any) -> list[float]:
+        asked.append(given[0][0].shape.area)
+        return surely_seeable_m2(*given)
+
+    monkeypatch.setattr("rota.planners.patrol.bounds.best_bound.surely_seeable_m2", areas)
+    yard, other = set_up_problem(YARD), set_up_problem(replace(YARD, obstacles=()))
+    assert prove_by_area(yard).robots == prove_bound(yard).robots
+    assert asked == [584.0]
+    assert prove_by_area(other).robots >= 1
+    assert asked == [584.0, 600.0]

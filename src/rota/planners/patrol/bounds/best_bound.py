@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from weakref import ref
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def prove_by_area(problem: Problem) -> ProvedBound:
     if not least.robots:
         return least
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
-    seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
+    seeable_m2 = surely_seeable_of(problem)
     return max_of([least, _by_areas(regions, seeable_m2, robot)])
 
 
@@ -49,7 +50,7 @@ def prove_bound(
         return least
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
     witnesses, visits = witnesses_of(problem, robot.sensor.reach_m), asks_for_visits(problem)
-    seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
+    seeable_m2 = surely_seeable_of(problem)
     states = TOUR_STATES[PatrolSettings.of(problem.mission).effort] if tours else 0
     proofs = [
         least,
@@ -61,6 +62,19 @@ def prove_bound(
         proofs.append(_by_components(witnesses, robot, visits, states, should_stop))
     best = max_of(proofs)
     return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states, should_stop)])
+
+
+_last: tuple[ref[Problem] | None, list[float]] = (None, [])  # the problem asked about last, and its areas
+
+
+def surely_seeable_of(problem: Problem) -> list[float]:
+    """What ``surely_seeable_m2`` tells of it, remembered: areas and periods are proved first, and all else later."""
+    global _last
+    known, areas_m2 = _last
+    if known is None or known() is not problem:
+        areas_m2 = surely_seeable_m2(problem.regions, problem.sure_space, problem.walls, problem.sure_robot)
+        _last = ref(problem), areas_m2
+    return areas_m2
 
 
 def least_asked(problem: Problem) -> ProvedBound:

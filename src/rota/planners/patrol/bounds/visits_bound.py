@@ -21,7 +21,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
 from rota.model.arrays import Floats, Ints
@@ -62,6 +61,8 @@ def times_near(apart_s: Floats, period_s: Floats) -> Floats:
 
     apart_s: (n, n), inf where there is no way. What rounding leaves of a sum above its limit is taken off.
     """
+    from scipy.optimize import linprog  # a tenth of a second, which most plans do without
+
     i, j = np.triu_indices(len(period_s), 1)
     binds = apart_s[i, j] < (period_s[i] + period_s[j]) / 2
     i, j = i[binds], j[binds]

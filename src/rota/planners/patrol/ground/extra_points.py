@@ -22,6 +22,9 @@ def prepare_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False)
 
     coarse: of the points on lattices only every other one of every other row, each with four times the area.
     """
+    are_laid_out = problem.points.shrink_m is problem.samples.shrink_m  # not so where they stand for themselves alone
+    if are_laid_out and not coarse and not len(extra):
+        return problem.points, problem.samples._replace(weight=metres_worth(problem, problem.points))
     points = thin(problem.points) if coarse else problem.points
     points = join([points, extra]) if len(extra) else points
     known = None if coarse else known_walls(problem.samples)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.errors import NoPlanFound
-from rota.model.mission import Mission
+from rota.model.mission import Mission, Zone
 from rota.model.plan import Plan
 from rota.planners.patrol import context as context_module, planner as planner_module
 from rota.planners.patrol.bounds.best_bound import prove_bound
@@ -19,13 +21,14 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.initial.allocation import period_groupings, slack_factor
 from rota.planners.patrol.methods.fewest.search import (
     fewest_robots,
     reduce_team,
     with_less_effort,
     without_spare_robots,
 )
+from rota.planners.patrol.methods.fewest.team_sizes import most_slack
 from rota.planners.patrol.planner import plan_tours
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
@@ -72,6 +75,39 @@ def test_robots_are_given_up_only_where_enough_slack_is_left(first: Repaired) ->
     picky = replace(context, progress=tell, settings=replace(context.settings, allocation=asks_more))
     assert without_spare_robots(picky, groupings, more, 1) is more
     assert not told
+
+
+def test_a_slack_factor_is_never_more_than_what_is_known_without_tours() -> None:
+    """One period: the budgets of all robots over ideal lanes; two: that hangs on who drives where."""
+    problem = search_on(YARD).problem
+    grouping = period_groupings(problem, 1)[0]
+    for robots in (1, 2, 5):
+        assert most_slack(problem, robots) == pytest.approx(slack_factor(grouping.with_robots([robots])), rel=2e-6)
+        # by hand: 2 m/s for 60 s, and lanes of 4 m over 600 m2 less a block of 16
+        assert most_slack(problem, robots) == pytest.approx(robots * 120 / (584 / 4))
+    zone = Zone(name="zone", shape=MultiPolygon([box(20, 10, 28, 18)]), period_s=30)
+    assert most_slack(search_on(replace(YARD, zones=(zone,))).problem, 2) == math.inf
+    hardly_moves = replace(YARD, period_s=6)  # 12 m, less than once round a disc
+    assert most_slack(search_on(hardly_moves).problem, 30) == math.inf
+
+
+def test_no_tours_are_laid_where_a_robot_fewer_is_surely_too_few(
+    first: Repaired, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("tours are laid")
+
+    monkeypatch.setattr("rota.planners.patrol.methods.fewest.search.period_groupings", refuse)
+    context = replace(search_on(YARD), enough_robots=1)
+    # 0.82 with one robot less
+    assert reduce_team(context, first) is first
+    asks_less = replace(context.settings.allocation, least_slack=0.8)
+    for other in (
+        replace(context, settings=replace(context.settings, allocation=asks_less)),
+        replace(context, enough_robots=-1),  # a likely team size may be far less
+    ):
+        with pytest.raises(AssertionError, match="tours are laid"):
+            reduce_team(other, first)
 
 
 def never_content(plan: Plan) -> Verdict:

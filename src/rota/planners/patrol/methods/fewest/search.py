@@ -13,9 +13,15 @@ from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
 from rota.planners.patrol.methods.fewest.one_fewer import give_up_robots
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
-from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
+from rota.planners.patrol.methods.fewest.team_sizes import (
+    coverage_weight_for,
+    most_slack,
+    smallest_with_slack,
+    sure_team_size,
+)
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.tolerances import ROUNDING
 from rota.planners.patrol.verdict import never_seen
 
 
@@ -61,6 +67,8 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     settings = context.settings.team_size
     if context.keeps_first_tours and best is not None and best.met:
         return best  # finer samples give first tours that are as long, and repair of them takes minutes
+    if best is not None and leaves_no_slack(context, best):
+        return best
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
     if context.keeps_first_tours:
         repaired = repair_first_tours(context, groupings)
@@ -82,6 +90,16 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
         if best.robots > likely:
             return best  # smaller teams were tried on the way up
     return search_downwards(context, groupings, best)
+
+
+def leaves_no_slack(context: Context, best: Repaired) -> bool:
+    """Whether one robot fewer than a plan has is surely too few to be tried, by what is known before any tour is.
+
+    Plans with three robots more than are proved are compared with a likely team size, which hangs on the tours.
+    """
+    if not best.met or best.robots > context.enough_robots + 2:
+        return False
+    return most_slack(context.problem, best.robots - 1) < context.settings.allocation.least_slack * (1 - ROUNDING)
 
 
 def without_spare_robots(context: Context, groupings: list[PeriodGrouping], best: Repaired, likely: int) -> Repaired:

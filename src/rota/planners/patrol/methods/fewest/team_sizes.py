@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.allocation import PeriodGrouping, detour_factor, robots_per_tour, slack_factor
 
 
@@ -11,6 +14,19 @@ def coverage_weight_for(groupings: list[PeriodGrouping]) -> float:
     Where first tours are at most one and a half times as long as ideal ones, ground is open.
     """
     return min(6.0, max(1.0, detour_factor(groupings) / 1.5))
+
+
+def most_slack(problem: Problem, robots: int) -> float:
+    """A slack factor that so many robots do not exceed, whatever their tours: inf where that hangs on these.
+
+    With one period all tours together have the robots' budgets, and all their ground is what is asked. Where there are
+    several periods tours are grouped, and robots that hardly move see more than lanes would.
+    """
+    period_s, asked_m = problem.periods_s[0], problem.lanes_m(problem.asked_m2)
+    budget_m = period_s * problem.pace_m_s
+    if len(problem.periods_s) > 1 or budget_m < 2 * math.pi * problem.reach_m or asked_m == 0:
+        return math.inf
+    return robots * budget_m / asked_m
 
 
 def sure_team_size(groupings: list[PeriodGrouping]) -> int:

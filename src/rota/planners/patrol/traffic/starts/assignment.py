@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
@@ -29,6 +28,8 @@ def least_squares(costs: Floats) -> Ints:
     bodies far enough apart never touch when all go at once (Turpin, Michael and Kumar, "CAPT: Concurrent assignment and
     planning of trajectories for multiple robots", 2014). Raises ValueError when no assignment serves all loops.
     """
+    from scipy.optimize import linear_sum_assignment  # a tenth of a second, which most plans do without
+
     start_of_loop = np.full(costs.shape[1], -1, dtype=np.int64)
     starts, loops = linear_sum_assignment(np.square(costs))
     start_of_loop[loops] = starts
