@@ -29,6 +29,7 @@ from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, wr
 from rota.command.fly import fly
 from rota.command.interrupt import clean_end_on_terminate, saying_when_interrupted
 from rota.command.link_option import LINKS_LIST
+from rota.command.memory import use_one_heap
 from rota.command.other_mission import plan_for_mission
 from rota.command.page import page
 from rota.command.plan import plan_and_write
@@ -68,6 +69,7 @@ app = typer.Typer(
 
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code. All messages to people go to stderr."""
+    use_one_heap()
     try:
         with clean_end_on_terminate():
             app(arguments, prog_name="rota")
