@@ -13,7 +13,7 @@ from tests.planners.patrol.searching import search_on
 import rota
 from rota.check import check_plan
 from rota.check.report import Report
-from rota.model.mission import DiscSensor, Fleet, Mission, Zone
+from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.model.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
@@ -28,6 +28,7 @@ from rota.planners.patrol.shortening.search import (
     is_better,
     led_past_the_rest,
     loops_m,
+    nooks_seen,
     pull_tight,
     reaches,
     repair_for_length,
@@ -112,6 +113,34 @@ def test_the_larger_the_ground_the_less_is_tried(
     # last one has half
     rounds = {3900: 6, 3899: 10, 1550: 4, 1450: 4}
     assert tried == [((3000, 300)[one - 1], rounds[int(moves)]) for one in made]
+
+
+def test_among_many_small_obstacles_nooks_are_asked_for_and_detours_follow_the_first_round(
+    found: Repaired, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trunks = [shapely.Point(x, y).buffer(0.15, quad_segs=16) for x in (6.0, 12.0, 18.0) for y in (6.0, 10.0, 14.0)]
+    obstacles = tuple(Obstacle(shape=MultiPolygon([trunk])) for trunk in trunks)
+    context = search_on(replace(FIELD, obstacles=obstacles))
+    nooks = nooks_seen(context.problem, found.tours)
+    sides, corners = 4 + 9 * 64, 4
+    assert len(nooks) == sides + corners
+    borders = shapely.union_all([*trunks, box(0, 0, 24, 18).boundary])
+    assert shapely.distance(borders, shapely.points(nooks.xy_m)).max() < 1e-3
+    assert not len(nooks_seen(search_on(FIELD).problem, found.tours))
+    tried: list[tuple[int, int]] = []
+
+    def annealed(own: Context, _tours: object, stages: tuple[ShorteningStage, ...], **_: object) -> Repaired:
+        tried.append((stages[0].moves, own.settings.shortening.rounds))
+        return found
+
+    monkeypatch.setattr(search, "annealed_and_repaired", annealed)
+    own = with_attempts(context, (ShorteningAttempt((ShorteningStage(300, 1 / 8, 1 / 500, 4.0),)),))
+    for moves in (1550, 1850):  # 8 rounds of at most 10, and all
+        shortening = replace(
+            own.settings.shortening, most_work=moves * reaches(own.problem), rounds=10, round_moves=150
+        )
+        with_better_loops(replace(own, settings=replace(own.settings, shortening=shortening)), found)
+    assert tried == [(150, 1), (300, 10)]
 
 
 def test_an_attempt_ends_once_its_loops_are_too_long(context: Context, found: Repaired) -> None:

@@ -13,14 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from rota.model.arrays import Flags
 from rota.planners.patrol.annealing.search import LONGEST_LEG, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.ground.extra_points import metres_worth, no_points
+from rota.planners.patrol.ground.nooks import nooks_of
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import known_walls, lay_out
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, lay_out
 from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
@@ -60,12 +62,15 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
             continue
         left -= attempt.moves + rounds * settings.round_moves
         context.progress(0.6 * turn / len(attempts), "looking for shorter loops")
+        stages = attempt.stages
         if attempt is attempts[-1] and rounds < settings.rounds and not fewest_turns:
             rounds = (rounds + 1) // 2  # the other half may be detours
+            if problem.lanes_overlap_m > 0:  # nooks are asked for, so that hardly anything is left to these
+                rounds, stages = 1, with_half_the_moves(stages)
         tried = annealed_and_repaired(
             with_rounds(context, rounds),
             found.tours,
-            attempt.stages,
+            stages,
             fewest_turns=fewest_turns,
             seed=context.seed + 10 * turn,
         )
@@ -77,6 +82,11 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
             found = led_past_the_rest(context, found, tried)
     rounds = rounds_within(settings, 0, left)
     return without_spikes(with_rounds(context, rounds), found, fewest_turns=fewest_turns) if rounds else found
+
+
+def with_half_the_moves(stages: tuple[ShorteningStage, ...]) -> tuple[ShorteningStage, ...]:
+    """The stages with half of their moves."""
+    return tuple(stage._replace(moves=stage.moves // 2) for stage in stages)
 
 
 def rounds_within(settings: ShorteningSettings, moves: int, left: float) -> int:
@@ -148,8 +158,16 @@ def annealed_and_repaired(
 
     fewest_turns: a turn by one radian costs as much as a reach of way.
     """
-    settings = context.settings.shortening
     tried = as_if_turning_cost(tours, context.problem.reach_m) if fewest_turns else tours
+    tried = anneal_in_stages(context, tried, tours, stages, seed=seed)
+    return repair_for_length(context, as_they_were(tried, tours), tours)
+
+
+def anneal_in_stages(
+    context: Context, tried: list[Tour], tours: list[Tour], stages: tuple[ShorteningStage, ...], *, seed: int
+) -> list[Tour]:
+    """The tours ``tried`` after the stages, over samples that ``tours`` see; these are laid out once of each kind."""
+    settings = context.settings.shortening
     samples: dict[bool, Samples | None] = {}
     for turn, stage in enumerate(stages):
         if stage.coarse not in samples:
@@ -157,7 +175,7 @@ def annealed_and_repaired(
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
         if (own := samples[stage.coarse]) is not None:
             tried = anneal_for_length(context, tried, own, stage, seed=seed + turn)
-    return repair_for_length(context, as_they_were(tried, tours), tours)
+    return tried
 
 
 def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
@@ -174,7 +192,7 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
     return repair_until_feasible(
-        own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
+        own, tours, nooks_seen(context.problem, old), may_add=False, rounds=settings.rounds, annealed=True,
         is_in_vain=lambda tours: is_too_long(tours, old),
     )  # fmt: skip
 
@@ -221,10 +239,7 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
     """
     points, _ = points_of_regions(problem.regions, problem.space, problem.robot, sampling)
     points, samples, _ = lay_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
-    legs, places_m = layout.lay_out_tours(tours, LONGEST_LEG * problem.reach_m)
-    further_m = float(samples.shrink_m.max(initial=0.0))
-    sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
-    seen = sightings.range_deficit_m <= samples.shrink_m
+    seen = are_seen(problem, tours, samples)
     if seen.all():
         return samples
     if not seen.any():
@@ -233,6 +248,26 @@ def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings
     return lay_out(points[seen], problem.walls, problem.robot, weight=metres_worth(problem, points[seen]), known=known)[
         1
     ]
+
+
+def nooks_seen(problem: Problem, tours: list[Tour]) -> SamplePoints:
+    """Where small obstacles are many, the nooks beside them that these tours see; no points elsewhere.
+
+    Behind a trunk next to nothing is hidden, which samples miss and the check finds sliver by sliver.
+    """
+    points = nooks_of(problem) if problem.lanes_overlap_m > 0 else no_points()
+    if not len(points):
+        return points
+    points, samples, _ = lay_out(points, problem.walls, problem.robot)
+    return points[are_seen(problem, tours, samples)]
+
+
+def are_seen(problem: Problem, tours: list[Tour], samples: Samples) -> Flags:
+    """Whether the tours see each of the samples (n,) at full reach."""
+    legs, places_m = layout.lay_out_tours(tours, LONGEST_LEG * problem.reach_m)
+    further_m = float(samples.shrink_m.max(initial=0.0))
+    sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
+    return np.asarray(sightings.range_deficit_m <= samples.shrink_m)
 
 
 def reaches(problem: Problem) -> float:
