@@ -23,6 +23,7 @@ from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import loops_m, turning_rad, with_better_loops
 from rota.planners.patrol.shortening.spikes import spikes
 from rota.planners.patrol.tours.tour import Tour
+from rota.planning.planner import Request
 
 ASKED_RATIO = 1.12
 FURTHER = ("sun2019-fig16", "harbour", "parcel", "building")
@@ -53,10 +54,10 @@ def loop_lengths(options: Options) -> Iterator[Row]:
 def loops_row(mission: Mission, asked_ratio: float | None) -> Row:
     """The loops as they were found, the shortest and those that turn least, each judged by the check."""
     searched = without_starts(with_reserve(mission))
-    context = begin_search(
-        set_up_problem(searched), asked=mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
-        should_stop=lambda: False,
-    )  # fmt: skip
+    asked_of_it = Request(
+        mission=mission, seed=0, judge=check_plan, progress=lambda _share, _what: None, should_stop=lambda: False
+    )
+    context = begin_search(set_up_problem(searched), asked_of_it)
     found = load_method("tours")(context)
     parts, better = [f"found {loops_of(context.problem, found).text()}"], []
     for prefer in ("shortest", "fewest_turns"):

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -74,16 +74,7 @@ def undocked_routes(routes: Routes, plan: Plan) -> Routes:
     """The legs that robots do not spend at a charger: there they see nothing, and are in nobody's way."""
     if not any(trajectory.charges for trajectory in plan):
         return routes
-    kept = ~docked_legs(plan, routes)
-    return replace(
-        routes,
-        legs_m=np.ascontiguousarray(routes.legs_m[kept]),
-        heights_m=routes.heights_m[kept],
-        times_s=np.ascontiguousarray(routes.times_s[kept]),
-        bends=np.ascontiguousarray(routes.bends[kept]),
-        robots=routes.robots[kept],
-        kinds=routes.kinds[kept],
-    )
+    return routes.legs(~docked_legs(plan, routes))
 
 
 def battery_levels(plan: Plan, trajectory: Trajectory) -> Levels:

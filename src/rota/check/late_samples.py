@@ -148,14 +148,9 @@ def _unroll(routes: Routes, turns: Ints, to_s: float) -> Routes:
     times_s = routes.times_s[leg] + (turn * routes.durations_s[routes.robots[leg]])[:, None]
     times_s[routes.kinds[leg] == HOLD, 1] = to_s
     order = np.lexsort((times_s[:, 0], routes.robots[leg]))
-    leg = leg[order]
     return replace(
-        routes,
-        legs_m=np.ascontiguousarray(routes.legs_m[leg]),
-        heights_m=routes.heights_m[leg],
+        routes.legs(leg[order]),
         times_s=np.ascontiguousarray(np.maximum(times_s[order], times_s[order][:, :1])),
-        bends=np.ascontiguousarray(routes.bends[leg]),
-        robots=routes.robots[leg],
         kinds=np.full(len(leg), LOOP, np.int64),
     )
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from shapely import contains_xy, get_coordinates
 
-from rota.check.arrays import Flags, Floats, Ints
+from rota.check.arrays import Floats, Ints
 from rota.check.charging import battery_levels, undocked_routes
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.margin_report import Margin
@@ -132,7 +131,7 @@ class _Looked:
         seen = []
         for robot, way in enumerate(self.plan):
             own = self.routes.robots == robot
-            gap_s = self._gaps_s(self.points_m[place : place + 1], 0.0, _part(self.routes, own))
+            gap_s = self._gaps_s(self.points_m[place : place + 1], 0.0, self.routes.legs(own))
             seen += [way.robot] if math.isfinite(gap_s[0]) else []
         return tuple(seen)
 
@@ -187,19 +186,6 @@ class _Looked:
         bounds_m = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
         sights = sights_along(self.routes if routes is None else routes, sensors, self.plan.mission, bounds_m)
         return piece_gaps(sights, point_pieces(points_m), np.zeros(len(points_m))).gaps_s
-
-
-def _part(routes: Routes, own: Flags) -> Routes:
-    """Some of the legs."""
-    return replace(
-        routes,
-        legs_m=np.ascontiguousarray(routes.legs_m[own]),
-        heights_m=routes.heights_m[own],
-        times_s=np.ascontiguousarray(routes.times_s[own]),
-        bends=np.ascontiguousarray(routes.bends[own]),
-        robots=routes.robots[own],
-        kinds=routes.kinds[own],
-    )
 
 
 def _points_m(demand: DemandedGround, whole_m2: float) -> Floats:

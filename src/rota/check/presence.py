@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -32,15 +31,7 @@ def seeing_routes(routes: Routes, plan: Plan) -> Routes:
         return routes
     early = (joins - _slack_s(joins))[routes.robots]
     seeing = np.isinf(leaves)[routes.robots] & ((routes.kinds != TRANSIENT) | (routes.times_s[:, 0] >= early))
-    return replace(
-        routes,
-        legs_m=np.ascontiguousarray(routes.legs_m[seeing]),
-        heights_m=routes.heights_m[seeing],
-        times_s=np.ascontiguousarray(routes.times_s[seeing]),
-        bends=np.ascontiguousarray(routes.bends[seeing]),
-        robots=routes.robots[seeing],
-        kinds=routes.kinds[seeing],
-    )
+    return routes.legs(seeing)
 
 
 def presence_violations(plan: Plan) -> list[Violation]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -43,6 +43,18 @@ class Routes:
     parts: Ints
     units_s: Floats
     from_s: float
+
+    def legs(self, which: Ints | Flags) -> Routes:
+        """Those legs alone, in the order of their indices; or those that are flagged, (m,)."""
+        return replace(
+            self,
+            legs_m=np.ascontiguousarray(self.legs_m[which]),
+            heights_m=self.heights_m[which],
+            times_s=np.ascontiguousarray(self.times_s[which]),
+            bends=np.ascontiguousarray(self.bends[which]),
+            robots=self.robots[which],
+            kinds=self.kinds[which],
+        )
 
 
 def routes_of(plan: Plan) -> Routes:

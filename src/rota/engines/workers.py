@@ -34,6 +34,11 @@ def workers(address: str | None, processes: int | None = None) -> Iterator[Execu
         close(executor)
 
 
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def calls_at_once(executor: Executor) -> int:
     """How many calls the executor can do side by side now; 0 for a cluster that no worker has joined yet.
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ipaddress
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -14,6 +16,13 @@ FIRST_PORT, LAST_PORT = 47600, 65535
 LOOPBACK = "127.0.0.1"
 
 HeightAt = Callable[[float, float], float]
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a host is this machine, and can be reached from nowhere else."""
+    with suppress(ValueError):
+        return ipaddress.ip_address(host).is_loopback
+    return host.lower() == "localhost"
 
 
 def level(_x: float, _y: float) -> float:

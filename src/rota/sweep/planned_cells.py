@@ -15,6 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rota.engines.workers import cores
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
@@ -132,11 +133,6 @@ def error_in_words(error: Exception) -> str:
     """An exception that nobody expected, and where it was raised."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__} in {place.name}, {Path(place.filename).name}:{place.lineno}: {error}"
-
-
-def cores() -> int | None:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def reset_peak_memory() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import os
 import secrets
 import socket
@@ -20,6 +19,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rota.errors import RotaError
+from rota.planning.robot_processes import is_loopback
 from rota.web.app import make_app
 from rota.web.limits import Limits
 from rota.web.security import LOOPBACK, Guard
@@ -114,16 +114,6 @@ def show(page: str) -> None:
     )
     if has_screen:
         threading.Thread(target=webbrowser.open, args=(page,), daemon=True).start()
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a server bound to this host."""
-    if host.lower() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _name(host: str) -> str:

@@ -14,6 +14,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planning.planner import Request
 
 YARD = Mission(
     name="yard", area=MultiPolygon([box(0, 0, 30, 20)]), obstacles=(Obstacle(shape=MultiPolygon([box(8, 5, 12, 9)])),),
@@ -24,10 +25,11 @@ YARD = Mission(
 def search_on(ground: Mission | Problem, prove: Callable[[Problem], ProvedBound] = prove_bound) -> Context:
     """A search with seed 0 that tells nobody and is not stopped; the check judges."""
     problem = set_up_problem(ground) if isinstance(ground, Mission) else ground
-    return begin_search(
-        problem, asked=problem.mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
-        should_stop=lambda: False, prove=prove,
+    request = Request(
+        mission=problem.mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
+        should_stop=lambda: False,
     )  # fmt: skip
+    return begin_search(problem, request, prove)
 
 
 def cheap_search_on(ground: Mission | Problem) -> Context:

@@ -8,7 +8,7 @@ strip, cut by both steps, along the difference of times.
 
 from __future__ import annotations
 
-from math import ceil, floor, hypot, inf, sqrt
+from math import ceil, floor, gcd, hypot, inf, sqrt
 
 from rota.compiled.kernel import allocation_free
 from rota.model.arrays import Flags
@@ -75,9 +75,7 @@ def forbid_near_phases(
     for a in range(len(start)):
         for b in range(a, len(start)):
             i0, j0, n, m = start[a], start[b], length[a], length[b]
-            g, rest = n, m
-            while rest != 0:
-                g, rest = rest, g % rest
+            g = gcd(n, m)
             near = apart[a, b] - TOUCH_M
             if near <= 0:
                 continue

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import gcd
 from typing import NamedTuple
 
 import numpy as np
@@ -37,9 +38,7 @@ def compare_cycles(
     for a in range(len(start)):
         for b in range(a, len(start)):
             i0, j0, n, m = start[a], start[b], length[a], length[b]
-            g, rest = n, m
-            while rest != 0:
-                g, rest = rest, g % rest
+            g = gcd(n, m)
             near2 = apart2[kind[i0], kind[j0]]
             for d in range(g):
                 bad[d] = False

@@ -18,6 +18,7 @@ from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.verdict import Judge
+from rota.planning.planner import Request
 from rota.planning.progress import Watch
 
 Result = TypeVar("Result")
@@ -118,26 +119,22 @@ def _never() -> bool:
 
 def begin_search(
     problem: Problem,
-    *,
-    asked: Mission,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: Watch | None = None,
-    executor: Executor | None = None,
+    asked: Request,
     prove: Callable[[Problem], ProvedBound] = prove_bound,
+    *,
+    judge: Judge | None = None,
 ) -> Context:
     """A search with the settings of the mission's effort and the bound of the mission as it is asked.
 
-    asked: the mission with its starts and without a reserve. prove: any other bound than the best one is to do for the
-    beginning.
+    asked: its mission has starts and no reserve. prove: any other bound than the best one is to do for the beginning.
+    judge: of plans for the problem's mission; None: the one asked.
     """
-    bound, enough_robots = what_is_proved(problem, asked, prove)
+    bound, enough_robots = what_is_proved(problem, asked.mission, prove)
     return Context(
-        problem=problem, asked=asked, settings=EFFORTS[PatrolSettings.of(problem.mission).effort], bound=bound,
-        enough_robots=enough_robots, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-        executor=executor, proves_later=prove is not prove_bound,
+        problem=problem, asked=asked.mission, settings=EFFORTS[PatrolSettings.of(problem.mission).effort], bound=bound,
+        enough_robots=enough_robots, seed=asked.seed, judge=judge or asked.judge, progress=asked.progress,
+        should_stop=asked.should_stop, watch=asked.watch, executor=asked.executor,
+        proves_later=prove is not prove_bound,
     )  # fmt: skip
 
 

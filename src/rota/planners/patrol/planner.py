@@ -155,11 +155,8 @@ def plan_tours(mission: Mission, *, asked: Request, judge: Judge, shortens: bool
     refuse_pockets_in_the_way(problem)
 
     def search(problem: Problem) -> Context:
-        return begin_search(
-            problem, asked=asked.mission, seed=asked.seed, judge=judge, progress=progress, should_stop=should_stop,
-            watch=asked.watch, executor=asked.executor,
-            prove=prove_nothing if should_stop() else first_bound_proof(problem),
-        )  # fmt: skip
+        prove = prove_nothing if should_stop() else first_bound_proof(problem)
+        return begin_search(problem, asked, prove, judge=judge)
 
     context = search(problem)
     goes_on = context.anneals and not context.keeps_first_tours and mission.fleet.robots is None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -27,6 +26,7 @@ class SwarmPlanner(Planner):
         The robots know nothing of demands, so the judge is not asked here: whether what they cover meets one, the check
         finds out afterwards. All cores are used, and the plan is the same on any number of them.
         """
+        from rota.engines.workers import cores
         from rota.planners.swarm.planner import run_mission
 
         if request.observe is not None and request.mission.planning.altitudes_m is not None:
@@ -36,7 +36,7 @@ class SwarmPlanner(Planner):
             seed=request.seed,
             progress=request.progress,
             should_stop=request.should_stop,
-            threads=_cores(),
+            threads=cores(),
             observed=request.observe is not None,
             resume=request.checkpoint,
         )
@@ -86,8 +86,3 @@ class SwarmPlanner(Planner):
         from rota.planners.swarm.nodes.processes import SwarmProcesses
 
         return SwarmProcesses(mission, settings)
-
-
-def _cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
@@ -11,7 +9,7 @@ from starlette.routing import Route
 
 from rota.web.documents import require_few_vertices
 from rota.web.refusal import Json, Refusal, no_such
-from rota.web.routes.answers import JsonAnswer, body_of, json_of, revision_of, state_of, text_or_none
+from rota.web.routes.answers import JsonAnswer, body_of, json_of, revision_of, same_answer, state_of, text_or_none
 from rota.web.routes.downloads import download
 from rota.web.routes.uploads import uploaded_files
 from rota.web.store.missions import (
@@ -109,11 +107,7 @@ async def _as_file(request: Request, kind: str) -> Response:
 
 async def schema(request: Request) -> Response:
     """The JSON Schema of mission files."""
-    state = state_of(request)
-    if "schema" not in state.kept:
-        _, body = await state.pool.ask("schema")
-        state.kept["schema"] = json.loads(body)
-    return JsonAnswer(state.kept["schema"])
+    return await same_answer(request, "schema")
 
 
 async def validate(request: Request) -> Response:

@@ -12,7 +12,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from rota.web.refusal import Json
-from rota.web.routes.answers import JsonAnswer, state_of
+from rota.web.routes.answers import JsonAnswer, same_answer, state_of
 
 STATIC = Path(__file__).parent.parent / "static"
 
@@ -29,11 +29,7 @@ async def about(request: Request) -> Response:
 
 async def openapi(request: Request) -> Response:
     """The interface as an OpenAPI document."""
-    state = state_of(request)
-    if "openapi" not in state.kept:
-        _, body = await state.pool.ask("openapi")
-        state.kept["openapi"] = json.loads(body)
-    return JsonAnswer(state.kept["openapi"])
+    return await same_answer(request, "openapi")
 
 
 async def docs(request: Request) -> Response:

@@ -20,6 +20,7 @@ from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
 from rota.planners.patrol.verdict import unmet_reason
+from rota.planning.planner import Request
 from rota_studies.plain import changes
 from rota_studies.records import mission_digest, what
 from rota_studies.study_runs import StudyRuns
@@ -202,10 +203,11 @@ class Runs(StudyRuns[StudySettings]):
             self.now(doing)
             planning = PatrolSettings(effort=self.settings.effort, method="sun2019")
             asked = replace(mission, planning=planning)
-            context = begin_search(
-                set_up_problem(asked), asked=asked, seed=self.seed, judge=check_plan, should_stop=self.should_stop,
+            request = Request(
+                mission=asked, seed=self.seed, judge=check_plan, should_stop=self.should_stop,
                 progress=lambda _, what: self.tell(f"{doing}: {what}"),
             )  # fmt: skip
+            context = begin_search(set_up_problem(asked), request)
             best = fewest_robots_by_stages(context, replace(settings, routes="repaired"))
             self.stop_if_asked()  # what was stopped early is not shown
             reason = None if is_good(best) else unmet_reason(best.plan, best.verdict)

@@ -22,8 +22,8 @@ from rota.planners.swarm.nodes.process import run_robot, scene_for
 from rota.planners.swarm.nodes.recording import Recorder
 from rota.planners.swarm.nodes.scene import scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
-from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of, is_loopback
-from rota.planning.robot_processes import Launch, ProcessSettings
+from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
+from rota.planning.robot_processes import Launch, ProcessSettings, is_loopback
 
 
 def free_ports(count: int) -> int:

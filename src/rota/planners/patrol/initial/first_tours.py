@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
-from rota.planners.patrol.initial.standing import robots_stand, standing_tours
+from rota.planners.patrol.initial.standing import robots_stand, standing_tours, tour_of_one
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.tours.visiting_order import short_order
 
@@ -206,12 +206,7 @@ def tour_past(problem: Problem, places_m: Floats, period_class: int, component: 
     )
     stops = places_m[order]
     vertices = problem.paths.paths_along(np.vstack([stops, stops[:1]]))[:-1] if len(stops) > 1 else stops
-    return with_robots_needed(
-        Tour(
-            vertices_m=vertices, period_class=period_class, period_s=problem.periods_s[period_class], robots=1,
-            robot=problem.robot, component=component,
-        )
-    )  # fmt: skip
+    return with_robots_needed(tour_of_one(problem, vertices, period_class, component))
 
 
 def most_ordered(problem: Problem) -> int:

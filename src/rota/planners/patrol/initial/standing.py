@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rota.model.arrays import Flags
+from rota.model.arrays import Flags, Floats
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import lay_out
@@ -19,6 +19,14 @@ def robots_stand(problem: Problem, period_s: float) -> bool:
     return problem.pace_m_s * period_s <= problem.reach_m
 
 
+def tour_of_one(problem: Problem, vertices_m: Floats, period_class: int, component: int) -> Tour:
+    """The closed tour (n, 2) of a single robot of the problem."""
+    return Tour(
+        vertices_m=vertices_m, period_class=period_class, period_s=problem.periods_s[period_class], robots=1,
+        robot=problem.robot, component=component,
+    )  # fmt: skip
+
+
 def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[Tour]:
     """Tours of one place each, or hardly more, that together see all wanted samples (s,) of the problem.
 
@@ -27,13 +35,9 @@ def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[T
     """
     chosen, _ = choose_viewpoints(problem.viewpoints.start, problem.viewpoints.seen, wanted, problem.points.area_m2)
     tours = [
-        Tour(
-            vertices_m=problem.viewpoints.xy_m[place][None], robots=1, robot=problem.robot,
-            period_class=period_class, period_s=problem.periods_s[period_class],
-            component=int(problem.viewpoints.component[place]),
-        )
-        for place in chosen
-    ]  # fmt: skip
+        tour_of_one(problem, problem.viewpoints.xy_m[k][None], period_class, int(problem.viewpoints.component[k]))
+        for k in chosen
+    ]
     least, most = max(1, len(tours) // 2), len(tours)
     best = tours
     while least < most:

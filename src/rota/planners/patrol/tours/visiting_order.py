@@ -29,6 +29,20 @@ def short_order(distance_m: Floats) -> Ints:
     return order
 
 
+def order_of_pairs(distance_m: Floats) -> list[tuple[int, bool]]:
+    """The order of n lines in a short closed tour along all, each with whether it is driven backwards.
+
+    distance_m: (2n, 2n) between their ends, those of a line one after the other; it is written to. The two ends are so
+    far below zero from each other that no exchange parts them.
+    """
+    pairs = np.arange(0, len(distance_m), 2)
+    distance_m[pairs, pairs + 1] = distance_m[pairs + 1, pairs] = -1e3 * (1 + float(distance_m.max()))
+    order = short_order(distance_m)
+    if order[0] // 2 != order[1] // 2:
+        order = np.roll(order, 1)
+    return [(int(first) // 2, bool(first % 2)) for first in order[::2]]
+
+
 def nearest_places(distance: Floats, count: int) -> Ints:
     """For each of n places the nearest others (n, k), nearest first; k is the count, or n - 1. distance: (n, n).
 

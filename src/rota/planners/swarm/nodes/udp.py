@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +9,7 @@ from contextlib import suppress
 
 from rota.errors import LinkError, MissionError
 from rota.planners.swarm.nodes.telling import SIZE
-from rota.planning.robot_processes import LAST_PORT, ProcessSettings
+from rota.planning.robot_processes import LAST_PORT, ProcessSettings, is_loopback
 
 MOST_AT_ONCE = 4096  # datagrams read at a time, so that no flood of them keeps a robot from deciding
 BUFFER_BYTES = 1 << 20
@@ -36,13 +35,6 @@ def addresses_of(settings: ProcessSettings, robots: int) -> tuple[Address, ...]:
 def clock_of(addresses: Sequence[Address]) -> Callable[[], int]:
     """The clock in nanoseconds that all share: on one machine the one that nobody sets, else that of the day."""
     return time.monotonic_ns if all(is_loopback(host) for host, _ in addresses) else time.time_ns
-
-
-def is_loopback(host: str) -> bool:
-    """Whether a host is this machine, and can be reached from nowhere else."""
-    with suppress(ValueError):
-        return ipaddress.ip_address(host).is_loopback
-    return host == "localhost"
 
 
 class UdpPort:

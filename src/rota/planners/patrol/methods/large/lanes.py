@@ -20,6 +20,7 @@ from rota.model.arrays import Floats, Ints
 from rota.model.mission import DiscSensor
 from rota.model.polygons import polygons_of
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.initial.standing import tour_of_one
 from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_measures
 from rota.planners.patrol.methods.sweeping.lanes import Swath, common_part, lane_ends, polygons, turn_shape, turning
@@ -138,14 +139,7 @@ def loop_within(problem: Problem, ground: SweepGround, room: MultiPolygon, ring_
         return None
     if (problem.paths.part_of(ring_m[:1]) != ground.component).any():
         return None
-    return Tour(
-        vertices_m=ring_m,
-        period_class=ground.period_class,
-        period_s=problem.periods_s[ground.period_class],
-        robots=1,
-        robot=problem.robot,
-        component=ground.component,
-    )
+    return tour_of_one(problem, ring_m, ground.period_class, ground.component)
 
 
 def in_boxes(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:

@@ -16,6 +16,7 @@ from rota.model.mission import DiscSensor
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import MOST_ORDERED, distances
+from rota.planners.patrol.initial.standing import tour_of_one
 from rota.planners.patrol.methods.sweeping.boustrophedon import cells
 from rota.planners.patrol.methods.sweeping.lanes import (
     Swath,
@@ -27,7 +28,7 @@ from rota.planners.patrol.methods.sweeping.lanes import (
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tolerances import ON_LINE_M, TO_SPARE
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
-from rota.planners.patrol.tours.visiting_order import short_order
+from rota.planners.patrol.tours.visiting_order import order_of_pairs
 
 MISSED_WEIGHT = (
     3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
@@ -265,31 +266,19 @@ def closed_route(problem: Problem, lanes: list[Floats], ground: SweepGround) -> 
     stops_m = np.vstack([lanes[k][::-1] if back else lanes[k] for k, back in driving_order(problem, lanes)])
     stops_m = stops_m[problem.paths.part_of(stops_m) == ground.component]
     vertices = problem.paths.paths_along(np.vstack([stops_m, stops_m[:1]]))
-    return Tour(
-        vertices_m=vertices[:-1] if len(vertices) > 1 else vertices,
-        period_class=ground.period_class,
-        period_s=problem.periods_s[ground.period_class],
-        robots=1,
-        robot=problem.robot,
-        component=ground.component,
-    )
+    ring_m = vertices[:-1] if len(vertices) > 1 else vertices
+    return tour_of_one(problem, ring_m, ground.period_class, ground.component)
 
 
 def driving_order(problem: Problem, lanes: list[Floats]) -> list[tuple[int, bool]]:
     """Lanes in the order of a short closed tour, each with whether it is driven backwards.
 
-    A short tour over all lane ends in which the two ends of a lane always follow each other: their distance is so far
-    below zero that no exchange parts them. Very many lanes are driven to and fro in the order given.
+    Very many lanes are driven to and fro in the order given.
     """
     if 2 * len(lanes) > MOST_ORDERED or len(lanes) == 1:
         return [(k, k % 2 == 1) for k in range(len(lanes))]
     apart = distances(problem, np.array([[lane[0], lane[-1]] for lane in lanes]).reshape(-1, 2)).copy()
-    pairs = np.arange(0, len(apart), 2)
-    apart[pairs, pairs + 1] = apart[pairs + 1, pairs] = -1e3 * (1 + float(apart.max()))
-    order = short_order(apart)
-    if order[0] // 2 != order[1] // 2:
-        order = np.roll(order, 1)
-    return [(int(first) // 2, bool(first % 2)) for first in order[::2]]
+    return order_of_pairs(apart)
 
 
 def robots_for(tour: Tour, reserve: float) -> int:

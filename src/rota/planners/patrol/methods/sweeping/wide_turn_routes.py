@@ -12,7 +12,7 @@ from rota.geometry.kernels import EdgeGrid
 from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.driving.polylines import timeable
 from rota.planners.patrol.tours.curve_kernels import BLOCKED_M, curve_corners, lengths_between
-from rota.planners.patrol.tours.visiting_order import short_order
+from rota.planners.patrol.tours.visiting_order import order_of_pairs
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,12 +83,7 @@ def short_route(pieces: list[Floats], radius_m: float, space: EdgeGrid) -> Route
         far_m = 10 * float(apart[free].max(initial=0.0))  # a way into walls is dear, but no more than digits tell
         apart = np.where(free, apart, far_m + apart - BLOCKED_M)
         apart = np.maximum(apart, apart.T)
-        pairs = np.arange(0, len(apart), 2)
-        apart[pairs, pairs + 1] = apart[pairs + 1, pairs] = -1e3 * (1 + float(apart.max()))
-        order = short_order(apart)
-        if order[0] // 2 != order[1] // 2:
-            order = np.roll(order, 1)
-        pieces = [pieces[int(end) // 2][:: -1 if end % 2 else 1] for end in order[::2]]
+        pieces = [pieces[k][:: -1 if back else 1] for k, back in order_of_pairs(apart)]
     return Route(pieces=tuple(pieces), radius_m=radius_m, space=space)
 
 

@@ -25,6 +25,7 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
 from rota.planners.patrol.initial.first_tours import class_groups
+from rota.planners.patrol.initial.standing import tour_of_one
 from rota.planners.patrol.methods.sweeping.routes import (
     SweepGround,
     promising_angles,
@@ -67,10 +68,7 @@ class Swept:
 
     def _tour(self, k: int) -> Tour:
         ground = self.grounds[k]
-        tour = Tour(
-            vertices_m=self.routes[k].vertices_m, period_class=ground.period_class, robots=1,
-            period_s=self.problem.periods_s[ground.period_class], robot=self.problem.robot, component=ground.component,
-        )  # fmt: skip
+        tour = tour_of_one(self.problem, self.routes[k].vertices_m, ground.period_class, ground.component)
         return replace(tour, robots=robots_for(tour, 0.0))
 
 
