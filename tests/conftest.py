@@ -22,15 +22,17 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # to look through modules and tests again and again while they are loaded takes a tenth of that time
 gc.disable()
 
-# tests of many programs that are copies of a process that has loaded what they need
-OF_PROGRAMS = ("web", "command")
-
 # each copy begins with a part of the tests: patrol's kernels, a minute's work, are compiled by the first one while
 # others have the check, bounces and browsers to do; who is done takes from the end of another's
 ORDER = (
     "planners/patrol",
     "files",
     "geometry",
+    # all of these read all sources, which those do once that one copy runs
+    "test_house.py",
+    "test_imports.py",
+    "test_sizes.py",
+    "test_docs.py",
     "planners/swarm",
     "check",
     "planners/bounce",
@@ -44,11 +46,16 @@ ORDER = (
 
 def place_in_order(item: pytest.Item) -> int:
     path = item.path.relative_to(PROJECT).as_posix().removeprefix("tests/")
-    return next((k for k, folder in enumerate(ORDER) if path.startswith(folder + "/")), len(ORDER))
+    return next((k for k, folder in enumerate(ORDER) if path.startswith(folder)), len(ORDER))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--copies", metavar="N", help="share the tests out among N copies of this process, or 'auto'")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    if copies_asked_for(session.config):
+        begin_one()  # one for the programs of all, which loads what they need while tests are collected
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -68,7 +75,5 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
         return None
     if not copies_asked_for(session.config):
         return None
-    if any(folder in item.path.parts for item in session.items for folder in OF_PROGRAMS):
-        begin_one()  # one for all
     share_out(session)
     return True

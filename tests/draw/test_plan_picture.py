@@ -176,7 +176,7 @@ def test_many_robots_fit_on_the_figure(yard: Plan):
     fig = plan_figure(replace(yard, trajectories=many), cells=400)
     words = [text.get_text() for text in fig.legends[0].get_texts()]
     assert "… and 10 more loops" in words
-    fig.canvas.draw()
+    fig.draw_without_rendering()
     legend = fig.legends[0].get_window_extent()
     assert legend.y0 >= 0
     assert legend.x1 <= fig.axes[1].get_window_extent().x0
