@@ -14,11 +14,12 @@ from rota.check import check_plan
 from rota.check.report import Report
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.model.plan import Plan
-from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
+from rota.planners.patrol.repair.bending.search import Bending
 from rota.planners.patrol.repair.detours import least_detour
-from rota.planners.patrol.repair.repair import repair_until_feasible, shorter_m, with_tight_margin
+from rota.planners.patrol.repair.repair import bend, repair_until_feasible, shorter_m, with_tight_margin
 from rota.planners.patrol.repair.seeing import lead_to_the_rest
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -65,6 +66,30 @@ def roomy_and_tight(problem: Problem) -> tuple[Tour, Tour]:
     tight = Tour(vertices_m=ring, period_class=0, period_s=30, robots=1, robot=problem.robot, component=0)
     assert (tour_length_m(roomy), tour_length_m(tight), tight.budget_m) == pytest.approx((30, 60, 60), rel=0.01)
     return roomy, tight
+
+
+def test_detours_come_first_where_that_is_asked_and_legs_are_not_bent_besides(
+    problem: Problem, roomy_and_tight: tuple[Tour, Tour], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("legs are bent")
+
+    monkeypatch.setattr("rota.planners.patrol.repair.repair.see_the_rest", refuse)
+    context, tours = cheap_search_on(problem), [roomy_and_tight[0]]
+    points, samples = prepare_with(problem, no_points())
+
+    def far_of(tours: list[Tour]) -> int:
+        return len(Bending(problem, tours, samples, context.settings.bending).far_samples)
+
+    for first in (True, False):
+        repair = replace(context.settings.repair, detours_first=first, bending_steps=0)
+        own = replace(context, settings=replace(context.settings, repair=repair))
+        if first:
+            longer = bend(own, tours, points, samples, seed=0)
+            assert far_of(longer) == 0 < len(points) / 2 < far_of(tours)
+        else:
+            with pytest.raises(AssertionError, match="legs are bent"):
+                bend(own, tours, points, samples, seed=0)
 
 
 def test_tight_tours_are_asked_for_hardly_more_in_later_rounds(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -40,6 +41,14 @@ def limit_is_asked_for(
     regions: Sequence[DemandedRegion], space: MultiPolygon, robot: Robot, range_margin_m: float
 ) -> bool:
     """Whether some ground that must be seen is out of reach of a sensor that reaches ``range_margin_m`` less."""
+    return _limit_is_asked_for(tuple(regions), space, robot, range_margin_m)
+
+
+@functools.lru_cache(maxsize=4)
+def _limit_is_asked_for(
+    regions: tuple[DemandedRegion, ...], space: MultiPolygon, robot: Robot, range_margin_m: float
+) -> bool:
+    """The same; what is left out is told before a search sets up the same ground."""
     asked = [region.shape for region in regions if region.demand == "every_point"]
     beyond = shapely.difference(shapely.union_all(asked), space)
     # what is so near is in range, whatever chords cut off

@@ -23,7 +23,7 @@ from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays, past_where_they_wait
-from rota.planners.patrol.repair.detours import places_hidden
+from rota.planners.patrol.repair.detours import places_hidden, visit_places
 from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, lead_to_the_rest, see_the_rest
@@ -244,6 +244,9 @@ def bend(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
     bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
+    if settings.detours_first and bending.some_far:
+        tours = visit_places(problem, tours, points, samples, bending.far_samples, further=True) or tours
+        bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     # detours are dear: moves make them shorter first
     if bending.some_far and driving_of(problem.robot).slopes is not None:
         tours = see_the_rest(context, tours, points, samples, seed=seed)
@@ -252,7 +255,7 @@ def bend(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
         bending.hand_over(settings.bending_steps, should_stop=context.should_stop)
-    if not bending.some_far:
+    if not bending.some_far or settings.detours_first:
         return bending.tours
     longer = see_the_rest(context, bending.tours, points, samples, seed=seed)
     bending = Bending(problem, longer, samples, context.settings.bending, reserve=ROUNDING)

@@ -188,7 +188,7 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
     repair = replace(
         context.settings.repair,
         bending_steps=settings.bending_steps, bend=0.01,
-        over_budget_limit=0.002,
+        over_budget_limit=0.002, detours_first=context.problem.lanes_overlap_m > 0,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
     return repair_until_feasible(

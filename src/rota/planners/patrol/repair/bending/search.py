@@ -15,7 +15,7 @@ import shapely
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.kernels import free_segments
-from rota.model.arrays import Flags, Floats
+from rota.model.arrays import Flags, Floats, Ints
 from rota.model.mission import DiscSensor
 from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
@@ -77,7 +77,12 @@ class Bending:
     @property
     def some_far(self) -> bool:
         """Whether no leg comes near some of the samples; steps do nothing about them."""
-        return bool((self._sightings.leg < 0).any())
+        return len(self.far_samples) > 0
+
+    @property
+    def far_samples(self) -> Ints:
+        """The numbers of the samples that no leg comes near."""
+        return np.flatnonzero(self._sightings.leg < 0)
 
     def run(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
         """Take at most so many steps."""
