@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from rota.model.arrays import Flags
+from rota.errors import NoPlanFound
+from rota.model.arrays import Flags, Floats
 from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
@@ -14,63 +16,108 @@ from rota.planners.patrol.driving.timed_line import TimedLine, start_at, stretch
 from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.relief.turns import Job, Rotation
 from rota.planners.patrol.relief.ways import Ways
-from rota.planners.patrol.tolerances import SAME_TIME_S
+from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
+
+SAME_SPEED_M_S = 1e-9  # speeds, and accelerations in m/s2, so near to each other are one, but for rounding
 
 
-def trajectories_of(
-    rotation: Rotation,
-    slots: Sequence[Slot],
-    handovers: Sequence[Handovers],
-    ways: Ways,
-    names: Sequence[str],
-) -> list[Trajectory]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flight:
+    """A job as it is driven: its robot takes off at ``begins_s``, goes into the round, serves it, and goes back."""
+
+    job: Job
+    begins_s: float
+    serves_s: float
+    into: TimedLine
+    served: TimedLine
+    back: TimedLine
+
+    @property
+    def line(self) -> TimedLine:
+        """From the charger and back to it."""
+        comes_s, leaves_s = self.into.duration_s, self.into.duration_s + self.serves_s
+        parts, moved_s = (self.into, self.served, self.back), (0.0, comes_s, leaves_s)
+        times_s = [begins_s + part.times_s for begins_s, part in zip(moved_s, parts, strict=True)]
+        changes = [part.accelerations_m_s2 for part in parts]
+        return TimedLine(
+            np.concatenate(times_s),
+            np.vstack([part.places_m for part in parts]),
+            np.concatenate([changes[0], [0.0], changes[1], [0.0], changes[2]]),
+        )
+
+
+def trajectories_of(rotation: Rotation, flights: Sequence[Flight], names: Sequence[str]) -> list[Trajectory]:
     """The trajectories of a rotation's robots, which have these names; each repeats from time 0 on."""
-    jobs = [_job_line(job, slots[job.shift.slot], handovers[job.shift.slot], ways) for job in rotation.jobs]
-    charger = rotation.cycle.charger
-    turn_s = rotation.cycle.turn_s
+    jobs = [(flight.begins_s, flight.line) for flight in flights]
+    charger, turn_s = rotation.cycle.charger, rotation.cycle.turn_s
     return [
         robot_of_jobs(name, charger, [(begins_s + k * turn_s, line) for begins_s, line in jobs], rotation.lasts_s)
         for k, name in enumerate(names)
     ]
 
 
-def _job_line(job: Job, slot: Slot, own: Handovers, ways: Ways) -> tuple[float, TimedLine]:
-    """When a job's robot takes off, and its timed line from the charger and back to it."""
+def on_shortest_ways(
+    rotation: Rotation, slots: Sequence[Slot], handovers: Sequence[Handovers], ways: Ways
+) -> list[Flight]:
+    """The jobs of a rotation as they are driven on the shortest ways."""
+    return [_flight(job, slots[job.shift.slot], handovers[job.shift.slot], ways) for job in rotation.jobs]
+
+
+def _flight(job: Job, slot: Slot, own: Handovers, ways: Ways) -> Flight:
+    """A job on the shortest ways from the charger and back to it."""
     shift, charger_m, line = job.shift, np.array(own.charger.at), slot.line
     begins_phase_s, slower = float(own.phases_s[job.handover]), slot.slower(shift.round_s)
-    ends = own.at_phase(begins_phase_s + shift.rounds * line.duration_s, line.duration_s)
-    way_s = float(own.ways_s[job.handover])
+    way_s, (ends, serves_s) = float(own.ways_s[job.handover]), leaves_at(job, slot, own)
     if own.passing is not None:
         into, back, _ = own.passing
     else:
         into = ways.into(charger_m, line, begins_phase_s, slower, way_s)
         back = ways.back(charger_m, line, float(own.phases_s[ends]), slower, float(own.ways_s[ends]))
-    served = _rounds_at(slot, shift.rounds, shift.round_s, begins_phase_s)
-    comes_s = into.duration_s
-    times_s = np.concatenate([into.times_s, comes_s + served.times_s, comes_s + shift.serves_s + back.times_s])
-    places_m = np.vstack([into.places_m, served.places_m, back.places_m])
-    changes = np.concatenate(
-        [into.accelerations_m_s2, [0.0], served.accelerations_m_s2, [0.0], back.accelerations_m_s2]
+    served = _rounds_at(slot, serves_s, shift.round_s, begins_phase_s)
+    return Flight(
+        job=job,
+        begins_s=job.begins_s + (way_s - into.duration_s),
+        serves_s=serves_s,
+        into=into,
+        served=served,
+        back=back,
     )
-    return job.begins_s + (way_s - comes_s), TimedLine(times_s, places_m, changes)
 
 
-def _rounds_at(slot: Slot, rounds: float, round_s: float, phase_s: float) -> TimedLine:
-    """The rounds of a slot from a phase on, or the part of a round, from time 0."""
+def leaves_at(job: Job, slot: Slot, own: Handovers) -> tuple[int, float]:
+    """At which handover of its slot a job's robot leaves, and how many seconds after it came; who gives way, sooner."""
+    shift, lasts_s = job.shift, slot.line.duration_s
+    ends_s = float(own.phases_s[job.handover]) + shift.rounds * lasts_s
+    if shift.gives_way_s == 0:
+        return own.at_phase(ends_s, lasts_s), shift.serves_s
+    slower = slot.slower(shift.round_s)
+    sooner_s = np.where(np.isfinite(own.ways_s), (ends_s - own.phases_s) % lasts_s, np.inf)
+    sooner_s[sooner_s * slower < shift.gives_way_s * (1 - SAME_ROUND)] += lasts_s
+    ends = int(np.argmin(sooner_s))
+    if sooner_s[ends] >= shift.rounds * lasts_s:
+        raise NoPlanFound("robots would leave a loop before they are on it")
+    return ends, shift.rounds * shift.round_s - float(sooner_s[ends]) * slower
+
+
+def _rounds_at(slot: Slot, serves_s: float, round_s: float, phase_s: float) -> TimedLine:
+    """The rounds of a slot from a phase on for so many seconds, the last one maybe in part, from time 0."""
     if slot.line.stays:
-        return TimedLine(np.array([0.0, rounds * round_s]), np.repeat(slot.line.places_m, 2, axis=0), np.zeros(1))
+        return TimedLine(np.array([0.0, serves_s]), np.repeat(slot.line.places_m, 2, axis=0), np.zeros(1))
     line = stretch(start_at(slot.line, phase_s), slot.slower(round_s))
     line.times_s[-1] = round_s
-    if rounds < 1:
-        ends_s = rounds * round_s
-        before = line.times_s < ends_s
-        places_m = np.vstack([line.places_m[before], line.at(np.array([ends_s]))])
-        times_s = np.append(line.times_s[before], ends_s)
-        return TimedLine(times_s, places_m, line.accelerations_m_s2[: len(times_s) - 1])
-    count = round(rounds)
-    every_s = [k * round_s + line.times_s[1:] for k in range(count)]
-    every_m = np.vstack([line.places_m[:1], *[line.places_m[1:]] * count])
-    return TimedLine(np.concatenate([[0.0], *every_s]), every_m, np.tile(line.accelerations_m_s2, count))
+    whole = int(serves_s / round_s + SAME_ROUND)
+    rest_s = serves_s - whole * round_s
+    times_s, places_m, changes = [np.zeros(1)], [line.places_m[:1]], list[Floats]()
+    for k in range(whole):
+        times_s.append(k * round_s + line.times_s[1:])
+        places_m.append(line.places_m[1:])
+        changes.append(line.accelerations_m_s2)
+    if rest_s > SAME_ROUND * round_s:
+        before = int((line.times_s < rest_s).sum())
+        times_s.append(whole * round_s + np.append(line.times_s[1:before], rest_s))
+        places_m.append(np.vstack([line.places_m[1:before], line.at(np.array([rest_s]))]))
+        changes.append(line.accelerations_m_s2[:before])
+    return TimedLine(np.concatenate(times_s), np.vstack(places_m), np.concatenate(changes))
 
 
 def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, TimedLine]], lasts_s: float) -> Trajectory:
@@ -80,7 +127,7 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
     """
     first_s = jobs[0][0]
     rounds = np.floor((first_s + SAME_TIME_S) / lasts_s)
-    jobs = [(begins_s - rounds * lasts_s, _without_moments(line)) for begins_s, line in jobs]
+    jobs = [(begins_s - rounds * lasts_s, without_moments(line)) for begins_s, line in jobs]
     first_s = jobs[0][0]
     if abs(first_s) <= SAME_TIME_S:
         jobs, first_s = [(begins_s - first_s, line) for begins_s, line in jobs], 0.0
@@ -104,11 +151,24 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
     )  # fmt: skip
 
 
-def _without_moments(line: TimedLine) -> TimedLine:
-    """The line without steps that take no time but for rounding: turns by next to nothing, and seams of its parts."""
+def without_moments(line: TimedLine) -> TimedLine:
+    """The line without steps that take no time but for rounding: turns by next to nothing, and seams of its parts.
+
+    Of robots with mass rows go, too, past which all goes on as before: where a round began within a leg.
+    """
     kept = np.diff(line.times_s) > SAME_TIME_S
     rows = np.concatenate([[True], kept])
-    return TimedLine(line.times_s[rows], line.places_m[rows], line.accelerations_m_s2[kept])
+    line = TimedLine(line.times_s[rows], line.places_m[rows], line.accelerations_m_s2[kept])
+    if not line.accelerations_m_s2.any():
+        return line
+    steps_s, steps_m, changes = np.diff(line.times_s), np.diff(line.places_m, axis=0), line.accelerations_m_s2
+    speeds_m_s = np.hypot(*steps_m.T) / steps_s
+    headings = np.divide(steps_m.T, speeds_m_s * steps_s, out=np.zeros(steps_m.T.shape), where=speeds_m_s > 0).T
+    jumps_m_s = headings[1:] * (speeds_m_s - changes * steps_s / 2)[1:, None]
+    jumps_m_s -= headings[:-1] * (speeds_m_s + changes * steps_s / 2)[:-1, None]
+    on = (np.hypot(*jumps_m_s.T) < SAME_SPEED_M_S) & (np.abs(np.diff(changes)) < SAME_SPEED_M_S) & (speeds_m_s[1:] > 0)
+    rows = np.concatenate([[True], ~on, [True]])
+    return TimedLine(line.times_s[rows], line.places_m[rows], changes[np.concatenate([[True], ~on])])
 
 
 def _from_zero(line: TimedLine, docked: Flags, lasts_s: float) -> tuple[TimedLine, Flags]:

@@ -14,13 +14,13 @@ import numpy as np
 from rota.errors import NoPlanFound
 from rota.model.arrays import Floats
 from rota.model.battery_limits import ENDLESS, BatteryLimits
-from rota.model.mission import Charger, Mission
+from rota.model.mission import Charger, Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.relief.flights import trajectories_of
+from rota.planners.patrol.relief.flights import on_shortest_ways, trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
-from rota.planners.patrol.relief.shifts import Cycle, best_cycle
+from rota.planners.patrol.relief.shifts import Clearance, Cycle, best_cycle
 from rota.planners.patrol.relief.slots import (
     MOMENT,
     WINGS,
@@ -33,12 +33,15 @@ from rota.planners.patrol.relief.slots import (
 )
 from rota.planners.patrol.relief.turns import Rotation, rotations_of
 from rota.planners.patrol.relief.ways import Ways
+from rota.planners.patrol.relief.ways_apart import lead_apart
 from rota.planners.patrol.tolerances import SAME_TIME_S
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, crowding, robots_in_words, worst_reached
 
 MORE = 4  # robots than a cycle takes at least are too many for it
-MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at loops, and on circuits
+# of what stopping takes, that who gives way leaves a loop sooner, and whether it lands before the other takes off
+AHEAD = ((1.0, False), (0.0, True), (0.5, False))
+MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at the same loops, and on circuits
 
 
 def endless(mission: Mission) -> Mission:
@@ -64,6 +67,14 @@ def clearance_of(mission: Mission) -> float:
     """By how many seconds robots pass one place after each other when one relieves the other; 0 without bodies."""
     robot = mission.fleet.equal_robot("robot-1")
     return 3.0 * robot.body_radius_m / robot.ground_speed_m_s  # radii: at right angles their centres keep 2.1 apart
+
+
+def _stops_s(robot: Robot) -> float:
+    """What a robot takes to stop, or to get up its speed: in that time another one that leaves a loop is off it."""
+    motion = robot.motion
+    if not motion.acceleration_m_s2:
+        return 0.0
+    return robot.ground_speed_m_s / motion.acceleration_m_s2 + motion.acceleration_m_s2 / (motion.jerk_m_s3 or math.inf)
 
 
 def require_reach(mission: Mission) -> None:
@@ -96,30 +107,43 @@ def relieve(
     tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
     ways, found = Ways(robot, PathsByBody(mission)), None
 
-    def plan_of(served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool) -> Plan:
+    def plan_of(
+        served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool, gives_way: bool
+    ) -> Plan:
         """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
-        team = _Team(mission, served, ways, turns_s)
+        stops, lands = AHEAD[number % len(AHEAD)] if gives_way else (0.0, False)
+        clearance = Clearance(clearance_of(mission) + stops * _stops_s(robot), gives_way, lands)
+        team = _Team(mission, served, ways, turns_s, clearance)
         rotations = team.rotations(seed + number, varied=number > 0, below=below, heeds_places=heeds_places)
-        robots = team.trajectories(rotations)
-        return replace(loops, mission=mission, trajectories=tuple(robots))
+        robots, is_clear = team.trajectories(rotations, seed + number)
+        plan = replace(loops, mission=mission, trajectories=tuple(robots))
+        if not is_clear:
+            raise NoPlanFound("bodies touch where robots relieve each other", best=plan)
+        return plan
 
-    tries = list(itertools.product((hasty, slower, slots, tight), range(MOST_TRIES if clearance_of(mission) else 1)))
-    tries, crowded = tries[:1] if briefly else tries, False
+    has_bodies = clearance_of(mission) > 0
+    numbers, modes = range(MOST_TRIES // 2 if has_bodies else 1), (False, True) if has_bodies else (False,)
+    served = {tuple(map(id, each)): each for each in (hasty, slower, slots, tight)}.values()  # some are the same
+    tries, crowded = list(itertools.product(served, numbers, modes)), False
     barren: Sequence[Slot] = ()
-    for heeds_places, (tried, number) in itertools.product((False, True), tries):
+    for heeds_places, (tried, number, gives_way) in itertools.product((False, True), tries[: 1 if briefly else None]):
         if heeds_places and (not crowded or tried is barren):
             continue
+        own_plan = partial(plan_of, number=number, heeds_places=heeds_places, gives_way=gives_way)
         try:
-            found = plan_of(tried, number=number, heeds_places=heeds_places)
-        except NoPlanFound:
-            if not heeds_places:
+            found = own_plan(tried)
+        except NoPlanFound as failure:
+            if isinstance(failure.best, Plan):
+                found, crowded = failure.best, True
+            elif heeds_places:
+                barren = tried
+            elif not gives_way:
                 raise
-            barren = tried
             continue
         if (verdict := judge(found)).verdict == "met":
             if mission.fleet.robots is not None:
                 return found
-            return with_fewer_posts(found, tried, partial(plan_of, number=number, heeds_places=heeds_places), judge)
+            return with_fewer_posts(found, tried, own_plan, judge)
         crowded |= crowding(verdict) is not None
     assert found is not None
     raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
@@ -143,12 +167,18 @@ def _for_wings(slot: Slot) -> Slot:
 class _Team:
     """The slots of a mission, and from where chargers are near."""
 
-    def __init__(self, mission: Mission, slots: Sequence[Slot], ways: Ways, turns_s: Floats | None) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        slots: Sequence[Slot],
+        ways: Ways,
+        turns_s: Floats | None,
+        clearance: Clearance,
+    ) -> None:
         self._mission, self._slots, self._turns_s = mission, slots, turns_s
         self._robot = mission.fleet.equal_robot("robot-1")
-        self._ways = ways
-        self._clearance_s = clearance_of(mission)
-        self._handovers = handovers_of(slots, mission.chargers, ways, self._clearance_s)
+        self._ways, self._clearance = ways, clearance
+        self._handovers = handovers_of(slots, mission.chargers, ways, self._clearance.seconds)
         slots = slots if self._robot.battery.can_stand else [_for_wings(slot) for slot in slots]
         # who comes from a charger to a place beside it has not been there unless it stays for a moment
         self._slots = [
@@ -184,7 +214,7 @@ class _Team:
         battery = self._robot.battery
 
         def cycle(slots: Sequence[int]) -> Cycle | None:
-            return best_cycle(self._slots, own, slots, battery, self._clearance_s, turns_s=self._turns_s)
+            return best_cycle(self._slots, own, slots, battery, self._clearance, turns_s=self._turns_s)
 
         alone = [cycle([k]) for k in members]
         for k, each in zip(members, alone, strict=True):
@@ -221,9 +251,7 @@ class _Team:
     def rotations(self, seed: int, *, varied: bool, below: float, heeds_places: bool) -> list[Rotation]:
         """The rotations of all slots, with less than ``below`` robots. Raises NoPlanFound where there are none."""
         if heeds_places:
-            tried = cycles_with_room(
-                self._slots, self._handovers, self._robot.battery, self._clearance_s, self._turns_s
-            )
+            tried = cycles_with_room(self._slots, self._handovers, self._robot.battery, self._clearance, self._turns_s)
             found = (self._rotations_of(cycles, seed, varied, 1) for cycles in tried if _robots(cycles) < below)
         else:
             cycles = self.cycles()
@@ -253,8 +281,8 @@ class _Team:
         """The handovers of each slot with the charger of a cycle."""
         return [next(each for each in every if each.charger is cycle.charger) for every in self._handovers]
 
-    def trajectories(self, rotations: Sequence[Rotation]) -> list[Trajectory]:
-        """The trajectories of all robots."""
+    def trajectories(self, rotations: Sequence[Rotation], seed: int) -> tuple[list[Trajectory], bool]:
+        """The trajectories of all robots, and whether no two touch on their ways as far as that was looked for."""
         named, rotations = self._mission.fleet.robots, list(rotations)
         total = sum(rotation.robots for rotation in rotations)
         if named is not None and len(named) > total:  # the first rotation has the robots that are to spare
@@ -265,24 +293,25 @@ class _Team:
                 f"{robots_in_words(total)} are needed, those that charge included; the fleet has {len(named)}"
             )
         names = iter([robot.name for robot in named] if named else [f"robot-{k + 1}" for k in range(total)])
+        flown, is_clear = (
+            [on_shortest_ways(each, self._slots, self._own(each.cycle), self._ways) for each in rotations],
+            True,
+        )
+        if self._clearance.seconds > 0:
+            own = [self._own(rotation.cycle) for rotation in rotations]
+            flown, is_clear = lead_apart(rotations, flown, self._slots, own, self._ways, self._robot, seed)
         return [
             trajectory
-            for rotation in rotations
-            for trajectory in trajectories_of(
-                rotation,
-                self._slots,
-                self._own(rotation.cycle),
-                self._ways,
-                list(itertools.islice(names, rotation.robots)),
-            )
-        ]
+            for rotation, flights in zip(rotations, flown, strict=True)
+            for trajectory in trajectories_of(rotation, flights, list(itertools.islice(names, rotation.robots)))
+        ], is_clear
 
 
 def cycles_with_room(
     slots: Sequence[Slot],
     handovers: Sequence[Sequence[Handovers]],
     battery: BatteryLimits,
-    clearance_s: float,
+    clearance: Clearance,
     turns_s: Floats | None,
 ) -> list[tuple[Cycle, ...]]:
     """A cycle for each charger in use that has places for its robots on average: those of few robots first.
@@ -299,9 +328,7 @@ def cycles_with_room(
     for chargers in sorted(dealt):
         members = [[k for k, own in enumerate(chargers) if own == charger] for charger in sorted(set(chargers))]
         each = [
-            list(
-                _cycles_at([every[chargers[own[0]]] for every in handovers], slots, own, battery, clearance_s, turns_s)
-            )
+            list(_cycles_at([every[chargers[own[0]]] for every in handovers], slots, own, battery, clearance, turns_s))
             for own in members
         ]
         found += itertools.product(*each)
@@ -310,13 +337,13 @@ def cycles_with_room(
 
 def _cycles_at(
     handovers: Sequence[Handovers], slots: Sequence[Slot], members: Sequence[int], battery: BatteryLimits,
-    clearance_s: float, turns_s: Floats | None,
+    clearance: Clearance, turns_s: Floats | None,
 ) -> Iterator[Cycle]:  # fmt: skip
     """Cycles of some slots, by their numbers, at the charger of these handovers, which has places for their robots."""
     # in a pause of more than two ways both robots that change are at the charger at once
     for most_pause_ways in (math.inf, 2.0):
         cycle = best_cycle(
-            slots, handovers, members, battery, clearance_s, places=handovers[0].charger.places,
+            slots, handovers, members, battery, clearance, places=handovers[0].charger.places,
             most_pause_ways=most_pause_ways, turns_s=turns_s,
         )  # fmt: skip
         if cycle is not None:

@@ -31,6 +31,7 @@ class Shift:
 
     rounds: 1 / m for the m-th part of one. round_s: what a round takes without pauses. way_s: to the charger from where
     robots change. busy_s: a job, until the robot may begin another. most_way_s: as long as its battery allows.
+    gives_way_s: it leaves so much before its rounds are over, to whoever comes.
     """
 
     slot: int
@@ -40,11 +41,12 @@ class Shift:
     way_s: float
     busy_s: float
     most_way_s: float
+    gives_way_s: float = 0.0
 
     @property
     def serves_s(self) -> float:
         """Seconds of a job at the slot."""
-        return self.rounds * self.round_s
+        return self.rounds * self.round_s - self.gives_way_s
 
     @property
     def flies_s(self) -> float:
@@ -70,6 +72,31 @@ class Cycle:
         """How many robots it takes."""
         busy_s = sum(shift.jobs * shift.busy_s for shift in self.shifts)
         return max(1, math.ceil(busy_s / self.turn_s * (1 - SAME_ROUND)))
+
+
+class Clearance(NamedTuple):
+    """By how many seconds robots that change at a slot pass one place after each other; 0 without bodies.
+
+    gives_way: who is relieved leaves so much sooner, and the other comes in ahead of it on the same timetable: so loops
+    keep step. Else both are at the slot for so long, or it is left alone until one is back. lands: who gives way has
+    landed before the other takes off, where that takes hardly longer.
+    """
+
+    seconds: float
+    gives_way: bool = False
+    lands: bool = False
+
+    def post_pauses_s(self, pauses_s: Floats, way_s: float) -> Floats:
+        """Pauses (n,) between two robots as they can be, with ways of so many seconds; below 0: both are there."""
+        if self.seconds == 0:
+            return pauses_s
+        return np.where(pauses_s < self.seconds + (0.0 if self.gives_way else 2 * way_s), -self.seconds, pauses_s)
+
+    def loop_pauses_s(self, pauses_s: Floats, way_s: float, *, keeps_step: bool) -> Floats:
+        """The same on a loop; 0 where who is relieved gives way."""
+        if not self.gives_way:
+            return self.post_pauses_s(pauses_s, way_s)
+        return np.where((pauses_s < self.seconds) | keeps_step, 0.0, pauses_s)
 
 
 class _Way(NamedTuple):
@@ -104,19 +131,19 @@ def stays_s(battery: BatteryLimits, charger: Charger, flown_s: Floats) -> Floats
 
 def best_cycle(
     slots: Sequence[Slot], handovers: Sequence[Handovers], members: Sequence[int], battery: BatteryLimits,
-    clearance_s: float, *, places: float = math.inf, most_pause_ways: float = math.inf,
+    clearance: Clearance, *, places: float = math.inf, most_pause_ways: float = math.inf,
     turns_s: Floats | None = None,
 ) -> Cycle | None:  # fmt: skip
     """The cycle of some slots, by their numbers, with the fewest robots, or busy for the least time; None: none does.
 
-    handovers: of each slot with the charger that serves them all. clearance_s: by how long robots that change pass
-    one place after each other. places: no more robots than so many are at the charger on average. most_pause_ways: how
-    many ways to the charger a pause between two robots lasts at most. turns_s: how long a turn may be; None: anything.
+    handovers: of each slot with the charger that serves them all. places: no more robots than so many are at the
+    charger on average. most_pause_ways: how many ways to the charger a pause between two robots lasts at most. turns_s:
+    how long a turn may be; None: anything.
     """
     charger = handovers[members[0]].charger
     if turns_s is None:
         turns_s = turns_to_try([slots[k] for k in members], [handovers[k] for k in members], battery)
-    tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance_s, most_pause_ways) for k in members]
+    tried = [ways_to_serve(slots[k], handovers[k], turns_s, battery, clearance, most_pause_ways) for k in members]
     busy_s = sum(np.min([way.busy_s for way in ways], axis=0) for ways in tried)
     if not (possible := np.isfinite(busy_s)).any():
         return None
@@ -141,23 +168,29 @@ def best_cycle(
     if not np.isfinite(robots[best]):
         return None
     shifts = tuple(
-        _shift(number, ways[own[best]], best, battery.usable_s, slots[number].uses(battery))
+        _shift(number, ways[own[best]], best, battery, slots[number], float(turns_s[best]), clearance)
         for number, own, ways in zip(members, chosen, tried, strict=True)
     )
     return Cycle(charger=charger, turn_s=float(turns_s[best]), shifts=shifts)
 
 
-def _shift(slot: int, way: _Way, k: int, usable_s: float, uses: float) -> Shift:
-    """The shift of a slot that is served this way in turns of the k-th length; each second there takes ``uses``."""
+def _shift(
+    number: int, way: _Way, k: int, battery: BatteryLimits, slot: Slot, turn_s: float, clearance: Clearance
+) -> Shift:
+    """The shift of a slot, by its number, that is served this way in turns of the k-th length, ``turn_s``."""
     rounds, round_s = float(way.rounds[k]), float(way.round_s[k])
+    has_pause = turn_s - way.jobs * rounds * round_s > SAME_ROUND * turn_s
+    gives_way = clearance.gives_way and not slot.line.stays and not has_pause
+    ways_s = 2 * way.way_s if clearance.lands and way.way_s < 2 * clearance.seconds else 0.0
     return Shift(
-        slot=slot,
+        slot=number,
         jobs=way.jobs,
         rounds=rounds,
         round_s=round_s,
         way_s=way.way_s,
         busy_s=float(way.busy_s[k]) / way.jobs,
-        most_way_s=(usable_s - rounds * round_s * uses) / 2,
+        most_way_s=(battery.usable_s - rounds * round_s * slot.uses(battery)) / 2,
+        gives_way_s=clearance.seconds + ways_s if gives_way else 0.0,
     )
 
 
@@ -178,7 +211,7 @@ def turns_to_try(slots: Sequence[Slot], handovers: Sequence[Handovers], battery:
 
 
 def ways_to_serve(
-    slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance_s: float,
+    slot: Slot, own: Handovers, turns_s: Floats, battery: BatteryLimits, clearance: Clearance,
     most_pause_ways: float = math.inf,
 ) -> list[_Way]:  # fmt: skip
     """The best way to serve a slot with each number of jobs: whole rounds, or parts where these are too long.
@@ -188,9 +221,9 @@ def ways_to_serve(
     whole, uses = _posts if slot.line.stays else _whole_rounds, slot.uses(battery)
     nearest_s = float(own.ways_s.min())
     most_pause_s = most_pause_ways * nearest_s if math.isfinite(most_pause_ways) else math.inf
-    tried = list(whole(slot, own, turns_s, clearance_s, most_pause_s))
+    tried = list(whole(slot, own, turns_s, clearance, most_pause_s))
     if slot.least_s * uses + 2 * nearest_s > battery.usable_s:
-        tried += _parts_of_rounds(slot, own, turns_s, clearance_s)
+        tried += _parts_of_rounds(slot, own, turns_s, clearance)
     best: dict[tuple[int, float], _Way] = {}
     for jobs, rounds, round_s, way_s, possible in tried:
         flown_s, used_s = rounds * round_s + 2 * way_s, rounds * round_s * uses + 2 * way_s
@@ -208,7 +241,7 @@ def ways_to_serve(
 Tried = tuple[int, Floats | float, Floats, float, Flags]  # jobs, rounds, round_s, way_s, possible
 
 
-def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float) -> Iterator[Tried]:
+def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance: Clearance, most_pause_s: float) -> Iterator[Tried]:
     """Jobs of robots that stay, each after a pause of a whole period where it need not be there sooner."""
     way_s, stays_s = float(own.ways_s.min()), max(slot.least_s, own.turns_s / (1 if own.passing is None else 2))
     for jobs in range(1, MOST_JOBS + 1):
@@ -218,13 +251,13 @@ def _posts(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most
         if own.passing is not None:
             possible = pause_s >= own.passing.pause_s
             pause_s = np.full(len(turns_s), own.passing.pause_s)
-        elif clearance_s > 0:
-            pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
+        else:
+            pause_s = np.where(possible, clearance.post_pauses_s(pause_s, way_s), pause_s)
         yield jobs, 1.0, each_s - pause_s, way_s, possible
 
 
 def _whole_rounds(
-    slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float, most_pause_s: float
+    slot: Slot, own: Handovers, turns_s: Floats, clearance: Clearance, most_pause_s: float
 ) -> Iterator[Tried]:
     """Jobs of whole rounds, with pauses between robots that are as long as periods allow."""
     least_s, most_s, way_s = slot.least_s, slot.most_s, float(own.ways_s.min())
@@ -242,20 +275,18 @@ def _whole_rounds(
             pause_s = np.minimum(each_s - rounds * least_s, np.minimum(longest_s, most_pause_s))
             pause_s[np.abs(pause_s) <= SAME_ROUND * each_s] = 0.0
             possible = (pause_s >= 0) & (each_s / rounds <= most_s * (1 + SAME_ROUND))
-            if clearance_s > 0:
-                pause_s = np.where(possible & (pause_s < 2 * way_s + clearance_s), -clearance_s, pause_s)
+            pause_s = np.where(possible, clearance.loop_pauses_s(pause_s, way_s, keeps_step=slot.keeps_step), pause_s)
             round_s = (each_s - pause_s) / rounds
             yield jobs, rounds, round_s, way_s, possible & (round_s <= slot.slowest_s)
 
 
-def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance_s: float) -> Iterator[Tried]:
+def _parts_of_rounds(slot: Slot, own: Handovers, turns_s: Floats, clearance: Clearance) -> Iterator[Tried]:
     """Jobs of equal parts of one round a turn, driven as fast as can be where no other loop keeps step."""
     least_s, most_s = slot.least_s, slot.most_s
     for parts in (each for each in range(2, SPOTS) if SPOTS % each == 0):
         _, way_s = own.nearest_parts(least_s, parts)
         pause_s = turns_s / parts - least_s / parts if not slot.keeps_step else np.zeros(len(turns_s))
         possible = (turns_s >= least_s * (1 - SAME_ROUND)) & (turns_s <= most_s * (1 + SAME_ROUND))
-        if clearance_s > 0:
-            pause_s = np.where(pause_s < 2 * way_s + clearance_s, -clearance_s, pause_s)
+        pause_s = clearance.loop_pauses_s(pause_s, way_s, keeps_step=slot.keeps_step)
         round_s = turns_s - parts * pause_s
         yield parts, 1 / parts, round_s, way_s, possible & (round_s <= slot.slowest_s)

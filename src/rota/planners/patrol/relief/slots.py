@@ -103,7 +103,8 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
         periods_s = asked_periods_s(plan.mission)
         # who comes into a zone is in it a moment longer than at a place
         # a round that is hardly longer than a period takes that period
-        most_s = next((period_s for period_s in periods_s if period_s <= most_s <= period_s * 1.01), most_s)
+        near_s = (period_s for period_s in periods_s if lasts_s <= period_s <= most_s <= period_s * 1.01)
+        most_s = next(near_s, most_s)
         passes = max(1.0, most_s / periods_s[0])
         line = start_at(line, -one.loop_start_s)
         slots.append(Slot(line=line, least_s=line.duration_s, most_s=most_s, keeps_step=alike > 1, passes=passes))

@@ -18,7 +18,7 @@ from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
 from rota.planners.patrol.tolerances import ROUNDING, SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
-from rota.planners.patrol.traffic.starts.approaches import timed_approach
+from rota.planners.patrol.traffic.starts.approaches import timed_approach, without_short_legs
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
 PAUSES = 50  # between robots that pass each other beside a post, each by a tenth longer, that are tried
@@ -155,13 +155,8 @@ class Ways:
 
     def _new_way(self, charger_m: Floats, at: Motion) -> Way | None:
         """The same, looked for."""
-        if self._within_curve(at):
+        if (run_up := self._run_up(at)) is None:
             return None
-        run_up = steady(np.zeros(1), at.place_m[None])
-        if self._robot.motion.has_mass and at.direction is not None:
-            run_up = driving_with_mass(self._robot).run_up(at.place_m, at.direction, at.speed_m_s)
-            if not free_segments(run_up.places_m[:1], at.place_m[None], self.paths.grid)[0]:
-                return None
         begins_m = run_up.places_m[0]
         if np.hypot(*(begins_m - charger_m)) <= SAME_PLACE_M:
             return Way(line=steady(np.zeros(1), begins_m[None]), run_up=run_up)
@@ -174,6 +169,44 @@ class Ways:
             return None
         line = timed_approach(line_m, self._robot, None if self._robot.turn_radius_m else onward_m).line
         return Way(line=self._with_turn(line, onward_m), run_up=run_up)
+
+    def past(self, charger_m: Floats, at: Motion, place_m: Floats, slower: float) -> tuple[TimedLine, TimedLine] | None:
+        """A way from a charger into a round by a place (2,), at which robots may wait: the lines to there and on.
+
+        slower: by how much longer than as fast as can be the round takes. None: walls leave no room, or the place is
+        the charger or in the round. Robots that turn on arcs have none.
+        """
+        robot, paths = self._robot, self.paths
+        if robot.turn_radius_m or (run_up := self._run_up(at)) is None:
+            return None
+        begins_m = run_up.places_m[0]
+        try:
+            there_m, on_m = (
+                without_short_legs(paths.path(*ends)) for ends in ((charger_m, place_m), (place_m, begins_m))
+            )
+        except PlanError:
+            return None
+        if len(there_m) < 2 or len(on_m) < 2:
+            return None
+        if self._at_once:
+            there, on = (steady(_along_m(line_m) / robot.ground_speed_m_s, line_m) for line_m in (there_m, on_m))
+            return there, on
+        onward_m = None if at.direction is None else begins_m + at.direction
+        there, on = (
+            self._with_turn(timed_approach(line_m, robot, next_m).line, next_m)
+            for line_m, next_m in ((there_m, on_m[1]), (on_m, onward_m))
+        )
+        return there, chain(on, stretch(run_up, slower))
+
+    def _run_up(self, at: Motion) -> TimedLine | None:
+        """What robots with mass drive to get up the speed of a round; None: walls leave no room for it."""
+        if self._within_curve(at):
+            return None
+        if not self._robot.motion.has_mass or at.direction is None:
+            return steady(np.zeros(1), at.place_m[None])
+        run_up = driving_with_mass(self._robot).run_up(at.place_m, at.direction, at.speed_m_s)
+        is_free = free_segments(run_up.places_m[:1], at.place_m[None], self.paths.grid)[0]
+        return run_up if is_free else None
 
     def _within_curve(self, at: Motion) -> bool:
         """Whether a place may be so near to the end of a leg of a curve that what is left of the leg is no tangent."""
