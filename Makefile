@@ -57,14 +57,11 @@ pictures: demo
 docs: setup
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -b html docs docs/_build
 
-# mypy, which takes a minute of one core in a fresh clone, checks types while tests run, and has its say after them
 test: setup
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	@echo '$(BIN)/mypy, beside $(BIN)/python -m pytest --copies auto -m "not slow and not ros"'
-	@$(BIN)/mypy >.venv/mypy.log 2>&1 & types=$$!; \
-	$(BIN)/python -m pytest --copies auto -m "not slow and not ros"; tests=$$?; \
-	wait $$types; types=$$?; cat .venv/mypy.log; exit $$((tests | types))
+	$(BIN)/mypy
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow and not ros"
 
 bench: setup
 	$(BIN)/python -m benchmarks

@@ -122,7 +122,17 @@ def house(_: Options) -> Iterator[Row]:
 
 def suite(_: Options) -> Iterator[Row]:
     """The tests that `make test` runs, when all kernels are compiled; those that CI runs besides are not among them."""
-    command = [sys.executable, "-m", "pytest", "--copies", "auto", "-m", "not slow and not ros"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "--numprocesses",
+        "auto",
+        "--dist",
+        "worksteal",
+        "-m",
+        "not slow and not ros",
+    ]
     environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
     runs = []
     for _run in range(2):  # the first one compiles

@@ -17,7 +17,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -25,7 +24,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 STANDARD = (0, 1, 2)
-LOADED_WITHIN_S = 300.0  # where loops are to be compiled first
 # what commands and the page's tasks import when they are asked for something
 ASKED_LATER = (
     "rota.command.cli", "rota.command.plan", "rota.draw", "rota.exports", "rota.web.tasks.planning",
@@ -33,35 +31,22 @@ ASKED_LATER = (
 )  # fmt: skip
 
 
-BEGUN: list[tuple[subprocess.Popen[bytes], tempfile.TemporaryDirectory[str]]] = []
-
-
-def begin_one() -> str:
-    """Where the process to be copied will listen; it ends with this one, of which later copies share it."""
-    if not BEGUN:
-        folder = tempfile.TemporaryDirectory()
-        command = [sys.executable, "-m", __name__, f"{folder.name}/copies"]
-        # tests may have gone to folders of their own
-        warm = subprocess.Popen(command, stdin=subprocess.PIPE, cwd=Path(__file__).parents[1])
-        BEGUN.append((warm, folder))  # copies keep it as well: who forgets the folder removes it
-        atexit.register(_end_it)
-    return f"{BEGUN[0][1].name}/copies"
-
-
-def _end_it() -> None:
-    warm, folder = BEGUN.pop()
-    warm.communicate()
-    folder.cleanup()
-
-
 @cache
 def address_of_one() -> str:
-    """Where the process to be copied listens; it is started when it is first asked for."""
-    address = begin_one()
-    end_s = time.monotonic() + LOADED_WITHIN_S
-    while not Path(address).exists():
-        assert time.monotonic() < end_s, f"it does not listen after {LOADED_WITHIN_S:g} s"
-        time.sleep(0.02)
+    """Where the process to be copied listens; it is started when it is first asked for, and ends with this one."""
+    folder = tempfile.TemporaryDirectory()
+    address = f"{folder.name}/copies"
+    command = [sys.executable, "-m", __name__, address]
+    # tests may have gone to folders of their own
+    warm = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=Path(__file__).parents[1])
+    assert warm.stdout is not None
+    assert warm.stdout.readline(), "it ended before it listened"
+
+    def end() -> None:
+        warm.communicate()
+        folder.cleanup()
+
+    atexit.register(end)
     return address
 
 
@@ -111,9 +96,9 @@ def main() -> None:
     gc.freeze()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody asks how those that wait for copies ended
     listener = socket.socket(socket.AF_UNIX)
-    listener.bind(f"{sys.argv[1]}.new")
+    listener.bind(sys.argv[1])
     listener.listen()
-    Path(f"{sys.argv[1]}.new").rename(sys.argv[1])  # it is there once it listens
+    print(flush=True)
     while listener in select.select([0, listener], [], [])[0]:
         line, _ = listener.accept()
         asked, streams = _read_request(line)
