@@ -39,8 +39,6 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, crowding, robots_in_words, worst_reached
 
 MORE = 4  # robots than a cycle takes at least are too many for it
-# of what stopping takes, that who gives way leaves a loop sooner, and whether it lands before the other takes off
-AHEAD = ((1.0, False), (0.0, True), (0.5, False))
 MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at the same loops, and on circuits
 
 
@@ -111,8 +109,9 @@ def relieve(
         served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool, gives_way: bool
     ) -> Plan:
         """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
-        stops, lands = AHEAD[number % len(AHEAD)] if gives_way else (0.0, False)
-        clearance = Clearance(clearance_of(mission) + stops * _stops_s(robot), gives_way, lands)
+        lands = gives_way and number % 2 == 1  # or has time to stop, by turns
+        stops_s = _stops_s(robot) if gives_way and not lands else 0.0
+        clearance = Clearance(clearance_of(mission) + stops_s, gives_way, lands)
         team = _Team(mission, served, ways, turns_s, clearance)
         rotations = team.rotations(seed + number, varied=number > 0, below=below, heeds_places=heeds_places)
         robots, is_clear = team.trajectories(rotations, seed + number)

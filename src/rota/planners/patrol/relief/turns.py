@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -90,16 +90,8 @@ class _Dispatch:
         for turn in range(orders):
             jobs = self._timed_jobs(chance, (turn + varied) / orders)
             if jobs is not None:
-                later_s = self._later_s(chance) if varied else 0.0
-                jobs = [replace(job, begins_s=job.begins_s + later_s) for job in jobs]
                 return Rotation(cycle=self._cycle, robots=self._robots, jobs=tuple(jobs))
         return None
-
-    def _later_s(self, chance: np.random.Generator) -> float:
-        """How much later all jobs may begin, by chance: so others that change at the same place do at another time."""
-        turn_s = self._cycle.turn_s
-        steps = {round(shift.jobs * shift.rounds) for shift, _ in self._jobs if self._slots[shift.slot].keeps_step}
-        return turn_s * (float(chance.random()) if not steps else int(chance.integers(min(steps))) / min(steps))
 
     def _spot(self, shift: Shift, chance: np.random.Generator | None) -> int:
         """Where robots change at a slot: as near to the charger as can be, or, by chance, not much farther away."""
