@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from weakref import WeakKeyDictionary
+from weakref import ref
 
 import numpy as np
 
@@ -64,14 +64,17 @@ def prove_bound(
     return max_of([best, *_by_witnesses(witnesses, robot, best.robots, visits, states, should_stop)])
 
 
-_seeable_m2: WeakKeyDictionary[Problem, list[float]] = WeakKeyDictionary()
+_last: tuple[ref[Problem] | None, list[float]] = (None, [])  # the problem asked about last, and its areas
 
 
 def surely_seeable_of(problem: Problem) -> list[float]:
-    """What ``surely_seeable_m2`` tells of it, kept while it is there: areas are proved first, and all else later."""
-    if problem not in _seeable_m2:
-        _seeable_m2[problem] = surely_seeable_m2(problem.regions, problem.sure_space, problem.walls, problem.sure_robot)
-    return _seeable_m2[problem]
+    """What ``surely_seeable_m2`` tells of it, remembered: areas and periods are proved first, and all else later."""
+    global _last
+    known, areas_m2 = _last
+    if known is None or known() is not problem:
+        areas_m2 = surely_seeable_m2(problem.regions, problem.sure_space, problem.walls, problem.sure_robot)
+        _last = ref(problem), areas_m2
+    return areas_m2
 
 
 def least_asked(problem: Problem) -> ProvedBound:

@@ -38,7 +38,7 @@ from rota.planners.patrol.tolerances import OUT_OF_REACH
 from rota.planning.stopping import require_going_on
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Problem:
     """What the search works on.
 
