@@ -1,4 +1,4 @@
-"""Robots that charge: Sun 2019's cases with batteries, tiny missions beside brute force, and the check of many reliefs.
+"""Robots that charge: Sun 2019's cases, tiny missions beside brute force, yards with limited jerks, a large check.
 
 Brute force. Places lie on a line, a second apart; one is the charger. In each second a robot goes to the next place,
 hovers, or charges. A state is where all robots are, how full they are, and how long ago each place was visited. States
@@ -8,8 +8,10 @@ without a next one are struck out again and again: robots do for ever if a state
 from __future__ import annotations
 
 import itertools
+import random
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -20,18 +22,19 @@ from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
 from benchmarks.sun_cases import CASES, write_case
-from rota import DiscSensor, Fleet, Mission, PatrolSettings, Zone, make_plan
+from rota import DiscSensor, Fleet, Mission, NoPlanFound, PatrolSettings, Zone, make_plan
 from rota.check import check_plan
 from rota.files.mission_file import read_mission
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
+from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Plan
 
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 MOST_RATIO = 1.35  # of robots to the proved bound, over all cases
-TINY = 100
+TINY, YARDS = 100, 40
 MOST_BY_FORCE = 2
 RELIEFS, TEAM = 40, 20
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -44,7 +47,7 @@ MOTIONS = (
 
 
 def charging(options: Options) -> Iterator[Row]:
-    """Sun's cases, the check of the largest of their plans, and the tiny missions."""
+    """Sun's cases, the check of the largest of their plans, robots in motion, and the tiny missions."""
     plans = [plan_of_case(options, k) for k in range(len(CASES))]
     robots, bound = sum(map(len, plans)), sum(plan.lower_bound_robots or 0 for plan in plans)
     each = ", ".join(f"{len(plan)} ({plan.lower_bound_robots})" for plan in plans)
@@ -55,6 +58,7 @@ def charging(options: Options) -> Iterator[Row]:
     )
     yield checked_row(min((plan for plan in plans if len(plan) >= TEAM), key=len, default=max(plans, key=len)))
     yield from (motion_row(options, *each) for each in MOTIONS)
+    yield yards_row()
     yield tiny_row()
 
 
@@ -72,6 +76,42 @@ def motion_row(options: Options, name: str, told: str, lines: str) -> Row:
         f"{verdict}, {len(plan)} robots (bound {plan.lower_bound_robots}), {len(without)} without; CPU {cpu_s:.0f} s"
     )
     return Row(f"{name}, {told}", "met", measured, verdict == "met")
+
+
+def yards_row() -> Row:
+    """How many random yards have a plan for robots whose jerk is limited; some have batteries too small for any."""
+    robots, began_s = list[int](), time.process_time()
+    for seed in range(YARDS):
+        with suppress(NoPlanFound):
+            plan = make_plan(yard(seed))
+            if check_plan(plan).verdict == "met":
+                robots.append(len(plan))
+    cpu_s = time.process_time() - began_s
+    measured = f"{len(robots)} of {YARDS} met, {sum(robots)} robots; CPU {cpu_s:.0f} s"
+    return Row(f"{YARDS} random yards, robots with a limited jerk", "", measured, None)
+
+
+def yard(seed: int) -> Mission:
+    """A yard at random with a charger of nine places, for robots that cut corners and take time to change speed."""
+    chance = random.Random(seed)
+    wide_m, high_m = chance.choice([15, 25, 40, 60]), chance.choice([8, 12, 20])
+    speed_m_s = chance.choice([0.3, 0.5, 1, 2])
+    acceleration_m_s2 = speed_m_s * chance.choice([0.3, 0.6, 1, 2])
+    corner_m = chance.choice([0.2, 0.3, 0.5, 1])
+    jerk_m_s3 = acceleration_m_s2 * chance.choice([0.5, 1, 2, 4])
+    reach_m = chance.choice([2, 3])
+    period_s = wide_m * high_m / (2 * reach_m) / speed_m_s * chance.choice([0.6, 0.9, 1.3, 2])
+    endurance_s = period_s * chance.choice([1.5, 2.5, 4])
+    recharge_s = endurance_s * chance.choice([0.5, 1, 1.5])
+    fleet = Fleet(
+        speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=reach_m), body_radius_m=chance.choice([0, 0, 0.2]),
+        motion=MotionLimits(acceleration_m_s2=acceleration_m_s2, corner_m=corner_m, jerk_m_s3=jerk_m_s3),
+        battery=BatteryLimits(endurance_s=round(endurance_s), recharge_s=round(recharge_s)),
+    )  # fmt: skip
+    return Mission(
+        name="yard", area=MultiPolygon([box(0, 0, wide_m, high_m)]), period_s=round(period_s), fleet=fleet,
+        chargers=(Charger(name="pad", at=(wide_m / 2, 2), places=9),), planning=PatrolSettings(effort="quick"),
+    )  # fmt: skip
 
 
 def plan_of_case(options: Options, number: int) -> Plan:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -71,14 +72,20 @@ def _take_turns(
     tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, seed: int, judge: Judge,
     turns_s: Floats | None,
 ) -> Plan | NoPlanFound:  # fmt: skip
-    """The plan with the fewest robots that take turns at the loops of one of some plans, or why none does."""
+    """The plan with the fewest robots that take turns at the loops of one of some plans, or why none does.
+
+    Robots whose jerk is limited change anywhere, and only where all go steadily if no plan passes so.
+    """
     best: Plan | NoPlanFound | None = None
-    for number, ways in enumerate(tried):
+    has_jerk = tight.fleet.equal_robot("robot-1").motion.jerk_m_s3 is not None
+    for (number, ways), steadily in itertools.product(enumerate(tried), (False, True) if has_jerk else (False,)):
+        if steadily and isinstance(best, Plan):
+            continue
         try:
             own = replace(loops, mission=endless(tight), trajectories=tuple(ways))
-            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0, turns_s=turns_s)
+            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0, steadily=steadily, turns_s=turns_s)
         except NoPlanFound as failure:
-            best = best or failure
+            best = failure if best is None or steadily else best
             continue
         if not isinstance(best, Plan) or len(found) < len(best):
             best = found

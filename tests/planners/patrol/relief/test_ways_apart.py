@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota import DiscSensor, Fleet, Mission, PatrolSettings, check_plan, make_plan
+from rota import DiscSensor, Fleet, Mission, PatrolSettings, Zone, check_plan, make_plan
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.model.plan import Plan
@@ -43,6 +43,24 @@ def test_robots_relieve_each_other_on_loops_without_touching(
     assert check_plan(plan).verdict == "met"
     assert len(plan) <= 5
     assert nearest_m(plan, step_s=0.05) >= 2 * 0.3 - 1e-6
+
+
+def test_who_takes_off_makes_room_for_who_lands_where_a_charger_has_one_place() -> None:
+    zone = Zone(name="gate", shape=MultiPolygon([box(28, 36, 35, 44)]), period_s=78)
+    mission = Mission(
+        name="one place",
+        area=MultiPolygon([box(0, 0, 40, 70)]),
+        zones=(zone,),
+        period_s=336,
+        fleet=Fleet(
+            speed_m_s=1, sensor=DiscSensor(radius_m=12), body_radius_m=0.2, battery=BatteryLimits(endurance_s=3780)
+        ),
+        chargers=(Charger(name="pad", at=(9, 47), places=1, swap_s=90),),
+        planning=PatrolSettings(effort="quick"),
+    )
+    plan = make_plan(mission)
+    assert check_plan(plan).verdict == "met"
+    assert len(plan) == 3
 
 
 def nearest_m(plan: Plan, step_s: float) -> float:

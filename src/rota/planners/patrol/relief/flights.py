@@ -13,12 +13,11 @@ from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, stretch
+from rota.planners.patrol.relief.seams import without_cuts
 from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.relief.turns import Job, Rotation
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
-
-SAME_SPEED_M_S = 1e-9  # speeds, and accelerations in m/s2, so near to each other are one, but for rounding
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,7 +102,8 @@ def _rounds_at(slot: Slot, serves_s: float, round_s: float, phase_s: float) -> T
     """The rounds of a slot from a phase on for so many seconds, the last one maybe in part, from time 0."""
     if slot.line.stays:
         return TimedLine(np.array([0.0, serves_s]), np.repeat(slot.line.places_m, 2, axis=0), np.zeros(1))
-    line = stretch(start_at(slot.line, phase_s), slot.slower(round_s))
+    begun = start_at(slot.line, phase_s)
+    line = stretch(begun, slot.slower(round_s))
     line.times_s[-1] = round_s
     whole = int(serves_s / round_s + SAME_ROUND)
     rest_s = serves_s - whole * round_s
@@ -117,7 +117,13 @@ def _rounds_at(slot: Slot, serves_s: float, round_s: float, phase_s: float) -> T
         times_s.append(whole * round_s + np.append(line.times_s[1:before], rest_s))
         places_m.append(np.vstack([line.places_m[1:before], line.at(np.array([rest_s]))]))
         changes.append(line.accelerations_m_s2[:before])
-    return TimedLine(np.concatenate(times_s), np.vstack(places_m), np.concatenate(changes))
+    served = TimedLine(np.concatenate(times_s), np.vstack(places_m), np.concatenate(changes))
+    begins_s, cuts_s = np.arange(0.0, serves_s, round_s), list[Floats]()
+    if slot.begins_amid_a_leg:
+        cuts_s.append(begins_s + (slot.line.duration_s - phase_s) * slot.slower(round_s))
+    if slot.has_mass and len(begun.times_s) > len(slot.line.times_s):  # robots change amid a leg
+        cuts_s.append(begins_s)
+    return without_cuts(served, np.concatenate(cuts_s)) if cuts_s else served
 
 
 def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, TimedLine]], lasts_s: float) -> Trajectory:
@@ -152,23 +158,10 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
 
 
 def without_moments(line: TimedLine) -> TimedLine:
-    """The line without steps that take no time but for rounding: turns by next to nothing, and seams of its parts.
-
-    Of robots with mass rows go, too, past which all goes on as before: where a round began within a leg.
-    """
+    """The line without steps that take no time but for rounding: turns by next to nothing, and seams of its parts."""
     kept = np.diff(line.times_s) > SAME_TIME_S
     rows = np.concatenate([[True], kept])
-    line = TimedLine(line.times_s[rows], line.places_m[rows], line.accelerations_m_s2[kept])
-    if not line.accelerations_m_s2.any():
-        return line
-    steps_s, steps_m, changes = np.diff(line.times_s), np.diff(line.places_m, axis=0), line.accelerations_m_s2
-    speeds_m_s = np.hypot(*steps_m.T) / steps_s
-    headings = np.divide(steps_m.T, speeds_m_s * steps_s, out=np.zeros(steps_m.T.shape), where=speeds_m_s > 0).T
-    jumps_m_s = headings[1:] * (speeds_m_s - changes * steps_s / 2)[1:, None]
-    jumps_m_s -= headings[:-1] * (speeds_m_s + changes * steps_s / 2)[:-1, None]
-    on = (np.hypot(*jumps_m_s.T) < SAME_SPEED_M_S) & (np.abs(np.diff(changes)) < SAME_SPEED_M_S) & (speeds_m_s[1:] > 0)
-    rows = np.concatenate([[True], ~on, [True]])
-    return TimedLine(line.times_s[rows], line.places_m[rows], changes[np.concatenate([[True], ~on])])
+    return TimedLine(line.times_s[rows], line.places_m[rows], line.accelerations_m_s2[kept])
 
 
 def _from_zero(line: TimedLine, docked: Flags, lasts_s: float) -> tuple[TimedLine, Flags]:

@@ -20,7 +20,7 @@ from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import on_shortest_ways, trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
-from rota.planners.patrol.relief.shifts import Clearance, Cycle, best_cycle
+from rota.planners.patrol.relief.shifts import Clearance, Cycle, best_cycle, time_to_stop_s
 from rota.planners.patrol.relief.slots import (
     MOMENT,
     WINGS,
@@ -67,14 +67,6 @@ def clearance_of(mission: Mission) -> float:
     return 3.0 * robot.body_radius_m / robot.ground_speed_m_s  # radii: at right angles their centres keep 2.1 apart
 
 
-def _stops_s(robot: Robot) -> float:
-    """What a robot takes to stop, or to get up its speed: in that time another one that leaves a loop is off it."""
-    motion = robot.motion
-    if not motion.acceleration_m_s2:
-        return 0.0
-    return robot.ground_speed_m_s / motion.acceleration_m_s2 + motion.acceleration_m_s2 / (motion.jerk_m_s3 or math.inf)
-
-
 def require_reach(mission: Mission) -> None:
     """NoPlanFound where no flight lasts from a charger to ground that is asked for and back."""
     if (charging := charging_of(mission)).ways >= 1:
@@ -88,29 +80,27 @@ def require_reach(mission: Mission) -> None:
 
 
 def relieve(
-    loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False, turns_s: Floats | None = None
-) -> Plan:
+    loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False, steadily: bool = False,
+    turns_s: Floats | None = None,
+) -> Plan:  # fmt: skip
     """A plan for the mission whose robots take turns at the loops of a plan for ``endless(mission)``.
 
-    briefly: the first try alone. turns_s: how long turns at loops may be; None: anything. Raises NoPlanFound where a
-    loop is too far from all chargers for the battery, where chargers have too little room, and where the judge passes
-    no plan.
+    briefly: the first try alone. steadily: robots change where loops are driven at a constant velocity. turns_s: how
+    long turns at loops may be; None: anything. Raises NoPlanFound where a loop is too far from all chargers for the
+    battery, where chargers have too little room, and where the judge passes no plan.
     """
     verdict = judge(loops)
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
     slots = slots_of(loops, ratio)
-    slower = slower_slots(loops, slots, judge)
     robot = mission.fleet.equal_robot("robot-1")
-    hasty = without_waits(slower, robot.ground_speed_m_s) if robot.turns_at_once else slower
-    tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
-    ways, found = Ways(robot, PathsByBody(mission)), None
+    ways, found, full = Ways(robot, PathsByBody(mission), steadily=steadily), None, None
 
     def plan_of(
         served: Sequence[Slot], below: float = math.inf, *, number: int, heeds_places: bool, gives_way: bool
     ) -> Plan:
         """The plan whose robots take turns at these slots, if less than ``below`` can; number: of the try."""
         lands = gives_way and number % 2 == 1  # or has time to stop, by turns
-        stops_s = _stops_s(robot) if gives_way and not lands else 0.0
+        stops_s = time_to_stop_s(robot) if gives_way and not lands else 0.0
         clearance = Clearance(clearance_of(mission) + stops_s, gives_way, lands)
         team = _Team(mission, served, ways, turns_s, clearance)
         rotations = team.rotations(seed + number, varied=number > 0, below=below, heeds_places=heeds_places)
@@ -122,8 +112,7 @@ def relieve(
 
     has_bodies = clearance_of(mission) > 0
     numbers, modes = range(MOST_TRIES // 2 if has_bodies else 1), (False, True) if has_bodies else (False,)
-    served = {tuple(map(id, each)): each for each in (hasty, slower, slots, tight)}.values()  # some are the same
-    tries, crowded = list(itertools.product(served, numbers, modes)), False
+    tries, crowded = list(itertools.product(_paces(slots, loops, robot, judge), numbers, modes)), False
     barren: Sequence[Slot] = ()
     for heeds_places, (tried, number, gives_way) in itertools.product((False, True), tries[: 1 if briefly else None]):
         if heeds_places and (not crowded or tried is barren):
@@ -143,9 +132,20 @@ def relieve(
             if mission.fleet.robots is not None:
                 return found
             return with_fewer_posts(found, tried, own_plan, judge)
-        crowded |= crowding(verdict) is not None
-    assert found is not None
-    raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(found))}", best=found)
+        crowded |= (lacks_places := crowding(verdict)) is not None
+        if full is None and worst_reached(verdict) == lacks_places:
+            full = found  # what would help is places, whatever else later plans come to
+    best = full or found
+    assert best is not None
+    raise NoPlanFound(f"with relief the plan does not pass the check: {worst_reached(judge(best))}", best=best)
+
+
+def _paces(slots: Sequence[Slot], loops: Plan, robot: Robot, judge: Judge) -> list[Sequence[Slot]]:
+    """The slots of loops without waits and as slowly as may be, so slowly, as they are, and as fast as can be."""
+    slower = slower_slots(loops, slots, judge)
+    hasty = without_waits(slower, robot.ground_speed_m_s) if robot.turns_at_once else slower
+    tight = [replace(slot, most_s=slot.most_s if slot.line.stays else slot.least_s) for slot in slots]
+    return list({tuple(map(id, each)): each for each in (hasty, slower, slots, tight)}.values())  # some are the same
 
 
 def _robots(cycles: Sequence[Cycle]) -> int:
@@ -235,7 +235,7 @@ class _Team:
     def _too_far(self, slot: int, charger: Charger) -> str:
         """That no robot can serve a slot within a battery."""
         own, line = min(self._handovers[slot], key=lambda each: float(each.ways_s.min())), self._slots[slot].line
-        farthest = int(np.argmax(own.ways_s))
+        farthest = int(np.argmax(np.where(np.isfinite(own.ways_s), own.ways_s, 0.0)))  # from others none was found
         at = farthest if 2 * own.ways_s[farthest] > self._robot.battery.usable_s else own.nearest
         way_s, (x, y) = float(own.ways_s[at]), own.places_m[at]
         battery = self._robot.battery

@@ -18,7 +18,7 @@ import numpy as np
 
 from rota.model.arrays import Flags, Floats
 from rota.model.battery_limits import BatteryLimits
-from rota.model.mission import Charger
+from rota.model.mission import Charger, Robot
 from rota.planners.patrol.relief.slots import SPOTS, Handovers, Slot
 from rota.planners.patrol.tolerances import SAME_ROUND
 
@@ -97,6 +97,14 @@ class Clearance(NamedTuple):
         if not self.gives_way:
             return self.post_pauses_s(pauses_s, way_s)
         return np.where((pauses_s < self.seconds) | keeps_step, 0.0, pauses_s)
+
+
+def time_to_stop_s(robot: Robot) -> float:
+    """What a robot takes to stop, or to get up its speed: in that time another one that leaves a loop is off it."""
+    motion = robot.motion
+    if not motion.acceleration_m_s2:
+        return 0.0
+    return robot.ground_speed_m_s / motion.acceleration_m_s2 + motion.acceleration_m_s2 / (motion.jerk_m_s3 or math.inf)
 
 
 class _Way(NamedTuple):
@@ -220,7 +228,10 @@ def ways_to_serve(
     """
     whole, uses = _posts if slot.line.stays else _whole_rounds, slot.uses(battery)
     nearest_s = float(own.ways_s.min())
-    most_pause_s = most_pause_ways * nearest_s if math.isfinite(most_pause_ways) else math.inf
+    # bodies: who takes off is a little away when the other one lands
+    most_pause_s = math.inf
+    if math.isfinite(most_pause_ways):
+        most_pause_s = max(0.0, most_pause_ways * nearest_s - clearance.seconds)
     tried = list(whole(slot, own, turns_s, clearance, most_pause_s))
     if slot.least_s * uses + 2 * nearest_s > battery.usable_s:
         tried += _parts_of_rounds(slot, own, turns_s, clearance)

@@ -13,6 +13,7 @@ from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady, stretch
+from rota.planners.patrol.relief.seams import begins_amid_a_leg
 from rota.planners.patrol.relief.ways import Passing, Ways
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER
 from rota.planners.patrol.verdict import Judge
@@ -30,7 +31,8 @@ class Slot:
     that takes; a robot that stays need be there for a moment only. most_s: how long a round may take, from one time to
     the next. keeps_step: other loops go round as fast. passes: how often in a round a place may be seen that must be:
     by so much less than the rest of most_s may one robot come after another. slowest_s: how long a round may be driven
-    at most, where its robots cannot wait on it.
+    at most, where its robots cannot wait on it. has_mass: whether robots take time to change speed on it.
+    begins_amid_a_leg: its line, with a row that tells nothing.
     """
 
     line: TimedLine
@@ -39,6 +41,8 @@ class Slot:
     keeps_step: bool
     passes: float
     slowest_s: float = math.inf
+    has_mass: bool = False
+    begins_amid_a_leg: bool = False
 
     def slower(self, round_s: float) -> float:
         """By how much longer a round takes than as fast as it can be driven; 1 where its robot stays."""
@@ -89,7 +93,7 @@ class Handovers:
 
 def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
     """The loops of a plan whose worst gap is ``worst_ratio`` times its period: rounds may take as much longer."""
-    durations_s = np.array([one.loop_duration_s for one in plan])
+    durations_s, robot = np.array([one.loop_duration_s for one in plan]), plan.mission.fleet.equal_robot("robot-1")
     slots = []
     for one, lasts_s in zip(plan, durations_s, strict=True):
         line = round_of(one)
@@ -106,8 +110,13 @@ def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
         near_s = (period_s for period_s in periods_s if lasts_s <= period_s <= most_s <= period_s * 1.01)
         most_s = next(near_s, most_s)
         passes = max(1.0, most_s / periods_s[0])
-        line = start_at(line, -one.loop_start_s)
-        slots.append(Slot(line=line, least_s=line.duration_s, most_s=most_s, keeps_step=alike > 1, passes=passes))
+        line, has_mass = start_at(line, -one.loop_start_s), robot.motion.has_mass
+        slots.append(
+            Slot(
+                line=line, least_s=line.duration_s, most_s=most_s, keeps_step=alike > 1, passes=passes,
+                has_mass=has_mass, begins_amid_a_leg=has_mass and begins_amid_a_leg(line),
+            )
+        )  # fmt: skip
     return slots
 
 

@@ -16,6 +16,7 @@ from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
+from rota.planners.patrol.relief.seams import steady_legs
 from rota.planners.patrol.tolerances import ROUNDING, SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD
 from rota.planners.patrol.traffic.starts.approaches import timed_approach, without_short_legs
@@ -28,13 +29,15 @@ MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a batt
 class Motion(NamedTuple):
     """How a round is driven at a place (2,): in a direction (2,) of length 1, and how fast; no direction: it stays.
 
-    aside_s: seconds from there to the nearer end of the leg; inf at an end itself.
+    aside_s: seconds from there to the nearer end of the leg; inf at an end itself. is_steady: amid a leg before, on and
+    after which its velocity does not jump.
     """
 
     place_m: Floats
     direction: Floats | None
     speed_m_s: float
     aside_s: float
+    is_steady: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,10 +68,13 @@ class Passing(NamedTuple):
 
 
 class Ways:
-    """The ways of robots of one kind between chargers and places of rounds; ``paths`` are the shortest ones."""
+    """The ways of robots of one kind between chargers and places of rounds; ``paths`` are the shortest ones.
 
-    def __init__(self, robot: Robot, paths_by_body: PathsByBody) -> None:
-        self._robot, self._paths_by_body = robot, paths_by_body
+    steadily: they come and go where rounds are driven at a constant velocity: curves, if cut there, tell higher jerks.
+    """
+
+    def __init__(self, robot: Robot, paths_by_body: PathsByBody, *, steadily: bool = False) -> None:
+        self._robot, self._paths_by_body, self._steadily = robot, paths_by_body, steadily
         self.paths = paths_by_body.paths(robot.body_radius_m)
         self._at_once = robot.turns_at_once
         self._known: dict[bytes, Way | None] = {}
@@ -213,6 +219,8 @@ class Ways:
         radius_m = self._robot.turn_radius_m
         if radius_m > 0:
             return at.aside_s * at.speed_m_s < radius_m * STEP_RAD
+        if self._steadily and at.speed_m_s > 0 and not at.is_steady:
+            return True
         return self._robot.motion.has_mass and at.aside_s < driving_with_mass(self._robot).step_s / 2
 
     def _with_turn(self, line: TimedLine, onward_m: Floats | None) -> TimedLine:
@@ -252,7 +260,7 @@ def motions_of(line: TimedLine, phases_s: Floats, *, before: bool) -> list[Motio
     # as a round begins that is begun there: on a row, where one is so near
     at_s = np.where(np.abs(nearest_s - at_s) < 1e-6 * line.duration_s / len(line.times_s), nearest_s, at_s)
     at_s[at_s == line.duration_s] = 0.0
-    found = []
+    found, are_steady = [], steady_legs(line)
     for place_m, time_s in zip(line.at(at_s), at_s, strict=True):
         if before:
             leg = int(np.searchsorted(line.times_s, time_s, side="left") - 1) % count
@@ -266,7 +274,8 @@ def motions_of(line: TimedLine, phases_s: Floats, *, before: bool) -> list[Motio
         direction = steps_m[own] / lengths_m[own]
         speed_m_s = max(0.0, float(speed_m_s)) if lengths_m[leg] > 0 else 0.0
         aside_s = min(done_s, lasts_s[leg] - done_s) or math.inf
-        found.append(Motion(place_m, -direction if before else direction, speed_m_s, aside_s))
+        is_steady = bool(are_steady[leg]) and aside_s < math.inf
+        found.append(Motion(place_m, -direction if before else direction, speed_m_s, aside_s, is_steady))
     return found
 
 
