@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from rota.geometry.free_space import standing_space
 from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission, Robot, StartBox, StartPoints
 from rota.model.plan import Plan
+from rota.planners.patrol.driving.seams import start_without_cut
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, largest_matching, least_squares
@@ -35,11 +37,20 @@ def lead_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     """The plan's loops, kept in their phases, reached from the mission's starts; its mission becomes ``mission``.
 
     All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Some moments of
-    the common timetable are tried, the one with the earliest last arrival first, until the judge passes the plan (None:
-    whatever becomes of it). Raises NoPlanFound when a loop cannot be reached or there are too few starts, with the plan
-    as it was; the same when bodies would touch on an approach or the judge passes no plan, with the plan that does so;
-    MissionError when a fixed fleet does not fit into its box.
+    the common timetable are tried, earliest last arrival first, until the judge passes the plan (None: whatever becomes
+    of it). Robots whose jerk is limited join at legs of constant velocity; if no plan passes so, where others do.
+    Raises NoPlanFound when a loop cannot be reached or there are too few starts, with the plan as it was; the same when
+    bodies would touch on an approach or the judge passes no plan, with the plan that does so; MissionError when a fixed
+    fleet does not fit into its box.
     """
+    if mission.fleet.unlike_robots[0].motion.jerk_m_s3 is not None:
+        with suppress(NoPlanFound):
+            return _lead(plan, mission, judge, steadily=True)
+    return _lead(plan, mission, judge, steadily=False)
+
+
+def _lead(plan: Plan, mission: Mission, judge: Judge | None, *, steadily: bool) -> Plan:
+    """The same; steadily: robots join loops where these are driven at a constant velocity, if they can."""
     rounds = [round_of(trajectory) for trajectory in plan]
     bare = replace(plan, mission=mission)
     if not rounds:
@@ -62,8 +73,8 @@ def lead_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     led: Plan | None = None
     while tried:
         shift, who, earliest = tried.pop(0)
-        begun = [begin_later(round_, entries.shifts_s[shift]) for round_ in rounds]
-        begun, later_s, run_ups = join_in_motion(begun, starts.robots[0], paths_by_body)
+        begun = [begin_later(round_, entries.shifts_s[shift], steadily=steadily) for round_ in rounds]
+        begun, later_s, run_ups = join_in_motion(begun, starts.robots[0], paths_by_body, steadily=steadily)
         approaches, who = timed_approaches(starts, begun, run_ups, who, paths_by_body, anew=earliest)
         leaves_s = departures_s(approaches, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
@@ -263,9 +274,10 @@ def nearest_moment_s(round_: TimedLine, place_m: Floats) -> float:
     return float(times_s[k] + share[k] * (times_s[k + 1] - times_s[k]))
 
 
-def begin_later(round_: TimedLine, shift_s: float) -> TimedLine:
-    """The round begun so much later in the common timetable."""
-    return round_ if round_.stays or shift_s == 0 else start_at(round_, shift_s)
+def begin_later(round_: TimedLine, shift_s: float, *, steadily: bool = False) -> TimedLine:
+    """The round begun so much later in the common timetable; steadily: without a row that cuts a leg of a curve."""
+    begin = start_without_cut if steadily else start_at
+    return round_ if round_.stays or shift_s == 0 else begin(round_, shift_s)
 
 
 def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from rota.geometry.kernels import EdgeGrid, free_segments
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.rounded import driving_with_mass
+from rota.planners.patrol.driving.seams import start_without_cut, steady_legs
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
@@ -22,11 +23,12 @@ class Joining(NamedTuple):
     run_up: TimedLine
 
 
-def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
+def joining(line: TimedLine, robot: Robot, grid: EdgeGrid, *, steadily: bool = False) -> Joining:
     """Where and when a robot joins a round: at once without mass, else at the first row that it can run up to.
 
     A run-up is straight, in the direction of the leg after the row, and free of walls. Where none is, the robot joins
-    at its slowest row all the same, and the check tells what is wrong.
+    at its slowest row all the same, and the check tells what is wrong. steadily: it leads to a leg at a constant
+    velocity, if there is one: of a curve cut amid a leg the check tells a higher jerk.
     """
     at_once = Joining(line, 0.0, steady(np.zeros(1), line.places_m[:1]))
     if line.stays or not robot.motion.has_mass:
@@ -39,15 +41,18 @@ def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
     run_ups = [driving.run_up(line.places_m[k], units[k], float(speeds[k])) for k in range(len(steps))]
     begins = np.array([way.places_m[0] for way in run_ups])
     free = free_segments(begins, line.places_m[:-1], grid) & (lengths > 0)
+    level = free & steady_legs(line) & (lasts_s >= driving.step_s / 2)
+    if steadily and level.any():
+        free = level
     k = int(np.flatnonzero(free)[0]) if free.any() else int(np.argmin(np.where(lengths > 0, speeds, np.inf)))
     at_s = float(line.times_s[k])
-    return Joining(start_at(line, at_s), at_s, run_ups[k])
+    return Joining((start_without_cut if steadily else start_at)(line, at_s), at_s, run_ups[k])
 
 
 def join_in_motion(
-    begun: Sequence[TimedLine], robot: Robot, paths_by_body: PathsByBody
+    begun: Sequence[TimedLine], robot: Robot, paths_by_body: PathsByBody, *, steadily: bool = False
 ) -> tuple[list[TimedLine], list[float], list[TimedLine]]:
     """The rounds from where robots join them, how much later that is, and how they get up speed; see ``joining``."""
     grid = paths_by_body.paths(robot.body_radius_m).grid
-    joinings = [joining(line, robot, grid) for line in begun]
+    joinings = [joining(line, robot, grid, steadily=steadily) for line in begun]
     return [one.line for one in joinings], [one.later_s for one in joinings], [one.run_up for one in joinings]

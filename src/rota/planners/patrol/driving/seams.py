@@ -32,6 +32,14 @@ def begins_amid_a_leg(line: TimedLine) -> bool:
     return _most_jerk(without, at) < _most_jerk(whole, at) * (1 - ROUNDING)
 
 
+def start_without_cut(line: TimedLine, phase_s: float) -> TimedLine:
+    """The round begun ``phase_s`` after its start, without the row of the start if that cuts a leg of a curve."""
+    begun = start_at(line, phase_s)
+    if begun is line or not begins_amid_a_leg(line):
+        return begun
+    return without_cuts(begun, np.array([line.duration_s - phase_s % line.duration_s]))
+
+
 def without_cuts(line: TimedLine, moments_s: Floats) -> TimedLine:
     """The line without its rows at some moments (m,) past which all goes on as before."""
     steps_s, changes = np.diff(line.times_s), line.accelerations_m_s2

@@ -1,6 +1,8 @@
-"""Seams of rounds: which rows cut a leg in two, and robots with a limited jerk that charge."""
+"""Seams of rounds: which rows cut a leg in two, and robots with a limited jerk that charge, or join from starts."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +14,8 @@ from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.model.motion_limits import MotionLimits
 from rota.planners.patrol.driving.rounded import driving_with_mass
+from rota.planners.patrol.driving.seams import begins_amid_a_leg, start_without_cut, steady_legs, without_cuts
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at
-from rota.planners.patrol.relief.seams import begins_amid_a_leg, steady_legs, without_cuts
 
 JERKY = MotionLimits(acceleration_m_s2=0.5, corner_m=0.5, jerk_m_s3=1)
 
@@ -108,6 +110,32 @@ def test_robots_with_a_limited_jerk_charge(
     plan = make_plan(mission)
     assert check_plan(plan).verdict == "met"
     assert len(plan) == 2
+
+
+def test_robots_of_a_team_with_a_limited_jerk_join_their_loops_from_starts() -> None:
+    fleet = Fleet(
+        speed_m_s=0.3,
+        sensor=DiscSensor(radius_m=2),
+        motion=MotionLimits(acceleration_m_s2=0.3, corner_m=0.3, jerk_m_s3=0.15),
+    )
+    starts = ((3, 2), (14, 5), (1, 1))
+    robots = tuple(replace(fleet.equal_robot(f"robot-{k + 1}"), start=start) for k, start in enumerate(starts))
+    mission = Mission(
+        name="yard", area=MultiPolygon([box(0, 0, 20, 8)]), period_s=300, fleet=replace(fleet, robots=robots),
+        planning=PatrolSettings(effort="quick"),
+    )  # fmt: skip
+    assert check_plan(make_plan(mission)).verdict == "met"
+
+
+def test_a_round_begun_later_keeps_no_row_at_which_it_was_cut(square: TimedLine) -> None:
+    leg = longest_leg(square)
+    amid_s = float(square.times_s[leg + 3 : leg + 5].mean())  # of a curve's leg
+    begun = start_at(square, amid_s)
+    assert begins_amid_a_leg(begun)
+    again = start_without_cut(begun, float(begun.times_s[4]))
+    assert len(again.times_s) == len(square.times_s)
+    assert again.duration_s == square.duration_s
+    assert start_without_cut(square, 0.0) is square
 
 
 def test_how_far_it_is_to_the_charger_is_told_of_places_to_which_a_way_was_found() -> None:
