@@ -46,12 +46,11 @@ def without_cuts(line: TimedLine, moments_s: Floats) -> TimedLine:
     begin_m_s, end_m_s = _velocities(line)
     on = (np.hypot(*(begin_m_s[1:] - end_m_s[:-1]).T) < SAME_SPEED_M_S) & (np.abs(np.diff(changes)) < SAME_SPEED_M_S)
     on &= (np.diff(line.places_m, axis=0) != 0).any(axis=1)[1:] & (steps_s[1:] > 0)
-    on &= np.abs(line.times_s[1:-1, None] - moments_s).min(axis=1, initial=np.inf) <= SAME_TIME_S
-    return TimedLine(
-        line.times_s[np.concatenate([[True], ~on, [True]])],
-        line.places_m[np.concatenate([[True], ~on, [True]])],
-        changes[np.concatenate([[True], ~on])],
-    )
+    row = np.clip(np.searchsorted(line.times_s, moments_s - SAME_TIME_S), 0, len(line.times_s) - 1)
+    asked = np.zeros(len(line.times_s), np.bool_)
+    asked[row[np.abs(line.times_s[row] - moments_s) <= SAME_TIME_S]] = True
+    kept = np.concatenate([[True], ~(on & asked[1:-1]), [True]])
+    return TimedLine(line.times_s[kept], line.places_m[kept], changes[kept[:-1]])
 
 
 def steady_legs(line: TimedLine) -> Flags:
