@@ -12,7 +12,7 @@ from rota.model.arrays import Flags, Floats
 from rota.model.mission import Charger
 from rota.model.plan import Charge, Trajectory
 from rota.model.trajectory import forward_accelerations
-from rota.planners.patrol.driving.seams import without_cuts
+from rota.planners.patrol.driving.round_starts import without_cuts
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, stretch
 from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.relief.turns import Job, Rotation

@@ -12,7 +12,7 @@ from rota.model.arrays import Floats
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
-from rota.planners.patrol.driving.seams import begins_amid_a_leg
+from rota.planners.patrol.driving.round_starts import begins_amid_a_leg
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady, stretch
 from rota.planners.patrol.relief.ways import Passing, Ways
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SLOWER

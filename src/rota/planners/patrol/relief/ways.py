@@ -14,8 +14,8 @@ from rota.geometry.kernels import free_segments
 from rota.geometry.shortest_path import ShortestPaths
 from rota.model.arrays import Floats
 from rota.model.mission import Robot
+from rota.planners.patrol.driving.round_starts import steady_legs
 from rota.planners.patrol.driving.rounded import driving_with_mass
-from rota.planners.patrol.driving.seams import steady_legs
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady, stretch
 from rota.planners.patrol.tolerances import ROUNDING, SAME_PLACE_M
 from rota.planners.patrol.tours.curve_kernels import STEP_RAD

@@ -14,7 +14,7 @@ from rota.geometry.free_space import standing_space
 from rota.model.arrays import Floats, Ints
 from rota.model.mission import Mission, Robot, StartBox, StartPoints
 from rota.model.plan import Plan
-from rota.planners.patrol.driving.seams import start_without_cut
+from rota.planners.patrol.driving.round_starts import start_without_cut
 from rota.planners.patrol.driving.timed_line import TimedLine, round_of, start_at, steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, largest_matching, least_squares

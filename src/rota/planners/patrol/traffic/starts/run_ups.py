@@ -9,8 +9,8 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, free_segments
 from rota.model.mission import Robot
+from rota.planners.patrol.driving.round_starts import start_without_cut, steady_legs
 from rota.planners.patrol.driving.rounded import driving_with_mass
-from rota.planners.patrol.driving.seams import start_without_cut, steady_legs
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at, steady
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
@@ -41,8 +41,7 @@ def joining(line: TimedLine, robot: Robot, grid: EdgeGrid, *, steadily: bool = F
     run_ups = [driving.run_up(line.places_m[k], units[k], float(speeds[k])) for k in range(len(steps))]
     begins = np.array([way.places_m[0] for way in run_ups])
     free = free_segments(begins, line.places_m[:-1], grid) & (lengths > 0)
-    level = free & steady_legs(line) & (lasts_s >= driving.step_s / 2)
-    if steadily and level.any():
+    if steadily and (level := free & steady_legs(line) & (lasts_s >= driving.step_s / 2)).any():
         free = level
     k = int(np.flatnonzero(free)[0]) if free.any() else int(np.argmin(np.where(lengths > 0, speeds, np.inf)))
     at_s = float(line.times_s[k])

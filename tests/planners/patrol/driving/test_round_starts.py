@@ -1,4 +1,4 @@
-"""Seams of rounds: which rows cut a leg in two, and robots with a limited jerk that charge, or join from starts."""
+"""Where rounds begin: which rows cut a leg in two, and robots with a limited jerk that charge, or join from starts."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from rota import DiscSensor, Fleet, Mission, NoPlanFound, PatrolSettings, check_
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger
 from rota.model.motion_limits import MotionLimits
+from rota.planners.patrol.driving.round_starts import begins_amid_a_leg, start_without_cut, steady_legs, without_cuts
 from rota.planners.patrol.driving.rounded import driving_with_mass
-from rota.planners.patrol.driving.seams import begins_amid_a_leg, start_without_cut, steady_legs, without_cuts
 from rota.planners.patrol.driving.timed_line import TimedLine, start_at
 
 JERKY = MotionLimits(acceleration_m_s2=0.5, corner_m=0.5, jerk_m_s3=1)
@@ -55,8 +55,8 @@ def test_only_rows_at_the_moments_go_and_only_where_all_goes_on(square: TimedLin
     middle_s = float(square.times_s[leg : leg + 2].mean())
     begun = start_at(square, middle_s)
     again = start_at(begun, float(begun.times_s[5]))
-    seam_s = begun.duration_s - float(begun.times_s[5])
-    whole = without_cuts(again, np.array([seam_s]))
+    start_s = begun.duration_s - float(begun.times_s[5])
+    whole = without_cuts(again, np.array([start_s]))
     assert len(whole.times_s) == len(again.times_s) - 1
     moments_s = np.linspace(0, again.duration_s, 200)
     assert whole.at(moments_s) == pytest.approx(again.at(moments_s), abs=1e-9)

@@ -1,4 +1,4 @@
-"""Seams of rounds: rows at which a round begins amid a leg, and which tell nothing of what robots with mass drive.
+"""Where rounds begin: rows amid a leg, which tell nothing of what robots with mass drive.
 
 Curves are told by rows past which velocity and acceleration may go on as before: there a change of the acceleration
 ends. A row that only cuts a leg in two looks the same, but of two shorter legs each tells another jerk.
