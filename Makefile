@@ -4,7 +4,7 @@ BIN := .venv/bin
 # where the shell forbids Python to keep what it compiled, every start of a command would take seconds more
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo serve pictures docs test bench clean
+.PHONY: setup demo serve pictures docs test types suite bench clean
 
 setup: .venv/ready
 
@@ -60,7 +60,14 @@ docs: setup
 test: setup
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	@$(MAKE) --no-print-directory --jobs 2 types suite
+
+types: setup
 	$(BIN)/mypy
+
+# the tests are read once before: in a new clone each process would rewrite the asserts of all of them
+suite: setup
+	-@$(BIN)/python -m pytest --collect-only >/dev/null 2>&1
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow and not ros"
 
 bench: setup
