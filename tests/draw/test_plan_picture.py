@@ -39,7 +39,14 @@ def drawn_routes(plan: Plan):
     return ax
 
 
-@pytest.mark.parametrize(("suffix", "name"), [(".png", "yard"), (".pdf", "strip"), (".svg", "strip")])
+@pytest.mark.parametrize(
+    ("suffix", "name"),
+    [
+        pytest.param(".png", "yard", marks=pytest.mark.slow),
+        pytest.param(".pdf", "strip", marks=pytest.mark.slow),
+        (".svg", "strip"),
+    ],
+)
 def test_same_plan_same_bytes_in_every_format(suffix: str, name: str, tmp_path: Path, request: pytest.FixtureRequest):
     plan = request.getfixturevalue(name)
     one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix.upper()}"

@@ -152,6 +152,7 @@ def test_the_way_driven_is_the_way_planned(hall: Desk) -> None:
     assert driven.turns[-1] == len(starts_s)
 
 
+@pytest.mark.slow  # simulates two chips
 @needs_tools
 def test_robots_that_meet_as_planned_go_on_as_planned(tmp_path: Path) -> None:
     desk = set_up(corridor_plan(), tmp_path)
@@ -240,6 +241,7 @@ def test_an_overcurrent_for_a_moment_stops_nothing(hall: Desk) -> None:
     assert not still_after(drive(hall, 4.0, on_tick=on_tick)[0], 2.0)
 
 
+@pytest.mark.slow  # simulates the chip for long
 @needs_tools
 def test_a_robot_that_missed_the_start_does_not_begin_with_a_later_pulse(hall: Desk, tmp_path: Path) -> None:
     """It hears the second pulse of the start alone, or one that sets clocks: neither is a start."""

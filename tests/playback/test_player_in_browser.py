@@ -77,7 +77,9 @@ def opened(offline_page: Page, tmp_path: Path) -> Open:
     return open_page
 
 
-@pytest.mark.parametrize("name", PLANS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("lane", "drifting", "floor"))) for name in PLANS]
+)
 def test_ages_in_the_browser_are_those_of_python(opened: Open, offline_page: Page, name: str) -> None:
     header, arrays = opened(plans()[name])
     end_s = header["clock"]["end_s"]

@@ -22,7 +22,8 @@ def violations(page: Any, options: dict[str, list[str]] | None = None) -> list[s
     ]
 
 
-@pytest.mark.parametrize("width", [1280, pytest.param(360, marks=pytest.mark.slow)])
+@pytest.mark.slow  # reads every tab in both colours
+@pytest.mark.parametrize("width", [1280, 360])
 def test_axe_finds_nothing(page: Any, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 780})
     open_example(page, "harbour")
@@ -43,6 +44,7 @@ def test_axe_finds_nothing(page: Any, width: int) -> None:
     assert found == {name: [] for name in found}
 
 
+@pytest.mark.slow  # looks at every tab
 def test_nothing_is_wider_than_a_phone_or_400_percent(page: Any) -> None:
     width = 320  # what 1280 px are at 400 %; phones have 360
     page.set_viewport_size({"width": width, "height": 256})
@@ -53,6 +55,7 @@ def test_nothing_is_wider_than_a_phone_or_400_percent(page: Any) -> None:
         assert page.evaluate("document.documentElement.scrollWidth") <= width, tab
 
 
+@pytest.mark.slow  # opens the page twice
 def test_the_switch_of_colours_is_kept(page: Any) -> None:
     page.emulate_media(color_scheme="light")
     page.get_by_role("button", name="Dark colours").click()

@@ -274,6 +274,7 @@ def test_batteries_and_chargers_are_given(page: Any) -> None:
     assert "proved" in judged(page)
 
 
+@pytest.mark.slow  # fills a long form
 def test_kinds_and_single_robots_have_batteries_of_their_own(new_page: Any, page_server: Any) -> None:
     page = open_page(new_page, page_server)
     new_mission(page)
@@ -403,6 +404,7 @@ def test_a_mission_in_metres_goes_on_the_globe_and_back(page: Any) -> None:
         assert corner[1] - after[0][1] == pytest.approx(was[1] - before[0][1], abs=0.02)
 
 
+@pytest.mark.slow  # opens file after file
 def test_examples_and_files_are_read(new_page: Any, page_server: Any, tmp_path: Path) -> None:
     page = open_page(new_page, page_server)
     open_example(page, "harbour")

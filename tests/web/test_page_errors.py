@@ -37,6 +37,7 @@ def page(used_page: Any) -> Any:
 SQUARE = [(100, 500), (500, 500), (500, 100), (100, 100)]
 
 
+@pytest.mark.slow  # opens file after file
 def test_bad_files_are_refused_in_plain_words(page: Any, faults: Any, tmp_path: Path) -> None:
     faults.refusals_expected = True
     page.get_by_role("button", name="Missions…").click()
@@ -81,6 +82,7 @@ def test_a_mission_with_faults_is_not_planned(page: Any, page_server: Any) -> No
         assert mission_id(page) not in {job["mission"] for job in client.get("/api/jobs").json()}
 
 
+@pytest.mark.slow  # a long way through the page
 def test_starts_that_no_plan_can_do_with_are_told_and_mended_by_a_dock(page: Any) -> None:
     open_example(page, "harbour")
     judged(page)

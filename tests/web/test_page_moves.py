@@ -28,6 +28,7 @@ def test_a_page_that_starts_says_so_and_offers_nothing_yet(new_page: Any, page_s
     page.locator("body[data-ready=true]").wait_for()
 
 
+@pytest.mark.slow  # opens two examples
 def test_back_goes_to_the_tab_and_the_mission_before(page: Any) -> None:
     open_example(page, "harbour")
     saved(page)
@@ -44,6 +45,7 @@ def test_back_goes_to_the_tab_and_the_mission_before(page: Any) -> None:
     expect(page.locator("#panel-edit")).to_be_visible()
 
 
+@pytest.mark.slow  # plans, and edits at each tab
 def test_undo_changes_nothing_that_is_not_seen(new_page: Any, page_server: Any) -> None:
     page = open_page(new_page, page_server, f"#mission={newly_planned(page_server.url)}")
     period = page.locator("#mission-form").get_by_label("Period (s)")

@@ -74,6 +74,7 @@ def test_draw_plan_watch_lose_export_reload(page: Any, page_server: Any, tmp_pat
     expect(page.locator(".shape-zone")).to_have_count(1)
 
 
+@pytest.mark.slow  # every export of a plan
 def test_every_format_is_taken_or_says_what_it_lacks(planned: Any, faults: Any, tmp_path: Path) -> None:
     page = planned
     faults.refusals_expected = True  # a mission without a place on the globe refuses some formats

@@ -25,6 +25,7 @@ def watching(new_page: Any, page_server: Any) -> Any:
     return page
 
 
+@pytest.mark.slow  # draws with every tool and looks at every tab
 def test_shapes_stay_on_the_map_when_a_plan_was_looked_at_whatever_is_chosen(watching: Any) -> None:
     page = watching
     shapes = page.locator("#map .shape, #map .start-mark")
@@ -46,6 +47,7 @@ def test_shapes_stay_on_the_map_when_a_plan_was_looked_at_whatever_is_chosen(wat
         saved(page)
 
 
+@pytest.mark.slow  # 300 shapes
 def test_hundreds_of_obstacles_leave_the_fleet_at_hand(new_page: Any, page_server: Any) -> None:
     huts = [
         {"name": f"hut {k + 1}", "ring": [[x, y], [x + 5, y], [x + 5, y + 5], [x, y + 5]]}

@@ -41,6 +41,7 @@ def planned(new_page: Any, page_server: Any) -> Iterator[Any]:
     httpx.put(f"{page_server.url}/api/missions/{mission}", json={"document": SMALL}).raise_for_status()
 
 
+@pytest.mark.slow  # plans, edits and looks
 def test_a_plan_says_that_its_mission_has_changed_since_and_how(planned: Any) -> None:
     page = planned
     period = page.locator("#mission-form").get_by_label("Period (s)")
@@ -89,6 +90,7 @@ def test_no_plan_is_said_to_hold_while_an_edit_is_not_saved(planned: Any) -> Non
     page.unroute("**/api/missions/*")
 
 
+@pytest.mark.slow  # opens mission after mission
 def test_a_mission_that_has_a_plan_shows_it_when_it_is_opened(planned: Any, page_server: Any) -> None:
     page = planned
     page.locator("#tab-watch").click()
@@ -137,6 +139,7 @@ def test_the_verdict_of_one_mission_never_stands_beside_another(new_page: Any, p
     assert not [text for text in page.evaluate("window.seen") if "77" in text]
 
 
+@pytest.mark.slow  # two pages
 def test_two_tabs_cannot_overwrite_each_other(new_page: Any, page_server: Any, faults: Any) -> None:
     faults.refusals_expected = True
     mission = kept(page_server, {"name": "shared"})
@@ -179,6 +182,7 @@ def test_a_save_that_the_server_could_not_make_is_made_again(new_page: Any, page
     assert document(page)["period_s"] == 45
 
 
+@pytest.mark.slow  # opens three examples
 def test_an_example_opened_again_is_the_same_mission(page: Any) -> None:
     open_example(page, "coast")
     first = mission_id(page)
@@ -188,6 +192,7 @@ def test_an_example_opened_again_is_the_same_mission(page: Any) -> None:
     assert mission_id(page) == first
 
 
+@pytest.mark.slow  # watches a search
 def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_plan(
     new_page: Any, page_server: Any
 ) -> None:
@@ -220,6 +225,7 @@ def test_planning_tells_of_itself_at_once_never_falls_back_and_shows_its_best_pl
     assert all(re.search(r"\d s", told) for told in words)
 
 
+@pytest.mark.slow  # opens the page twice
 def test_what_a_crash_interrupted_is_told_once(new_page: Any, page_server: Any) -> None:
     job = {
         "id": "0" * 16, "mission": None, "mission_name": "yard", "state": "interrupted", "planner": "patrol",

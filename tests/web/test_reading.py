@@ -44,6 +44,7 @@ def faults(client: TestClient, document: Json, **more: Any) -> list[Json]:
     return found
 
 
+@pytest.mark.slow  # every example
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.yaml") if "rota:" in path.read_text()))
 def test_every_example_can_be_kept_and_has_no_faults(client: TestClient, name: str) -> None:
     mission = client.post("/api/missions", json={"example": name}).json()

@@ -78,6 +78,7 @@ def test_there_is_no_replan_of_a_plan_that_is_not_there(client: TestClient) -> N
     assert client.post(f"/api/plans/{'0' * 16}/replan", json={"at_s": 1, "lost": ["b"]}).status_code == 404
 
 
+@pytest.mark.slow  # a search and a replan in a browser
 @pytest.mark.browser
 def test_the_page_replans_from_the_moment_at_which_a_robot_is_lost(new_page: Any, page_server: Any) -> None:
     with page_server.client() as client:

@@ -26,6 +26,7 @@ def small(settings: StudySettings, monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setattr(runs_module, "StudySettings", lambda **_: settings)
 
 
+@pytest.mark.slow  # draws every picture
 @pytest.mark.usefixtures("small")
 def test_the_page_and_its_pictures_go_into_a_new_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert run([*STAGED, "-o", "out", "--seed", "3"]) == 0

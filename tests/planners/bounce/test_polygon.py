@@ -108,9 +108,9 @@ def exact_path(shape: Polygon, place: Corner, heading: int, turn: int, bounces: 
 def test_contacts_agree_with_exact_fractions(turn: int, heading: int) -> None:
     """Corners and slides along walls included: headings along the axes make them."""
     start = (Fraction(17, 16), Fraction(41, 32))
-    expected = exact_path(HALL, start, heading, turn, 400)
+    expected = exact_path(HALL, start, heading, turn, 200)
     rule = BounceRule(angle_rad=turn * math.pi / 4)
-    path = bounce_path(make_rim(HALL), rule, (float(start[0]), float(start[1])), heading * math.pi / 4, 400)
+    path = bounce_path(make_rim(HALL), rule, (float(start[0]), float(start[1])), heading * math.pi / 4, 200)
     np.testing.assert_allclose(path.positions_m[1:], np.array(expected, dtype=np.float64), atol=1e-10)
 
 

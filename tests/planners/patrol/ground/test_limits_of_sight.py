@@ -222,6 +222,7 @@ def test_corners_are_cut_less_where_what_is_asked_is_seen_only_from_beside_a_wal
     assert rota.check_plan(plan).verdict == "met"
 
 
+@pytest.mark.slow  # a search of some seconds
 def test_bodies_with_square_sensors_see_all_they_can_of_a_wide_no_fly_zone() -> None:
     # the corners of what is seen of it are arcs, as those of where bodies stand
     closed = box(1.5, 1.5, 6.5, 7.5)

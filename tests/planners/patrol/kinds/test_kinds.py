@@ -208,6 +208,7 @@ def test_kinds_use_one_place_in_turn_where_that_costs_less() -> None:
     assert [way.robot for way in planned_at_one_place(recharge_s=50)] == ["slow5-1", "slow6-1"]
 
 
+@pytest.mark.slow  # plans for both kinds together and each alone
 def test_a_kind_alone_is_planned_where_several_need_more_places_than_there_are() -> None:
     """One robot charges as long as it is away: another kind has no time at the charger."""
     assert {way.robot.split("-")[0] for way in planned_at_one_place(recharge_s=450)} == {"fast"}

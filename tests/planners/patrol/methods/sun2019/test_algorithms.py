@@ -101,6 +101,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return {**json.loads(done.stdout.splitlines()[-1]), "folder": folder}
 
 
+@pytest.mark.slow  # plans in a process without rota_studies, and here
 def test_plans_do_not_depend_on_what_is_installed(alone: dict[str, Any], tmp_path: Path) -> None:
     assert alone["studies"] == []
     for k, plan in enumerate(plans(tmp_path)):
