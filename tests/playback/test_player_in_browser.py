@@ -315,7 +315,7 @@ def test_a_fleet_is_shown_where_it_really_is(opened: Open, offline_page: Page) -
     until(page, "rotaPlayer.clock.playing")
 
 
-@pytest.mark.parametrize(("scheme", "width"), [("light", 1400), ("dark", 360)])
+@pytest.mark.parametrize(("scheme", "width"), [pytest.param("light", 1400, marks=pytest.mark.slow), ("dark", 360)])
 def test_everybody_can_use_it(opened: Open, offline_page: Page, scheme: Any, width: int) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     offline_page.emulate_media(color_scheme=scheme, reduced_motion="reduce")

@@ -10,7 +10,10 @@ from rota import DiscSensor, Fleet, Mission, MotionLimits, PatrolSettings, make_
 AT_S = (0.0, 31.7, 95.2, 143.9, 1200.3)
 
 
-@pytest.mark.parametrize(("acceleration_m_s2", "jerk_m_s3", "period_s", "seed"), [(1, 1, 40, 0), (3, 2, 30, 2)])
+@pytest.mark.parametrize(
+    ("acceleration_m_s2", "jerk_m_s3", "period_s", "seed"),
+    [(1, 1, 40, 0), pytest.param(3, 2, 30, 2, marks=pytest.mark.slow)],
+)
 def test_plans_take_over_from_loops_that_begin_amid_a_curve(
     acceleration_m_s2: float, jerk_m_s3: float, period_s: float, seed: int
 ) -> None:

@@ -178,6 +178,7 @@ def test_bodies_of_unlike_robots_keep_to_ground_of_their_own() -> None:
     assert low.max() + 1.3 <= high.min() + 1e-9
 
 
+@pytest.mark.slow  # plans for each kind, and for both at one place
 def test_kinds_that_charge_share_the_places_at_chargers() -> None:
     battery = BatteryLimits(endurance_s=500, recharge_s=500)
     kinds = (

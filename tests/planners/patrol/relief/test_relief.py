@@ -149,6 +149,16 @@ def test_batteries_that_reach_nothing_are_refused() -> None:
         make_plan(with_battery(far, endurance_s=30, recharge_s=30))
 
 
+def test_a_charger_serves_that_lies_well_for_parts_of_a_round_and_not_the_nearest_one() -> None:
+    """A battery lasts for half of the loop: robots change at the middle of both ways, or at both ends."""
+    fleet = Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=7.5), battery=BatteryLimits(endurance_s=22, recharge_s=22))
+    chargers = (Charger(name="end", at=(4, 5), places=4), Charger(name="middle", at=(100, 9), places=4))
+    mission = dataclasses.replace(CORRIDOR, fleet=fleet, chargers=chargers)
+    plan = make_plan(mission)
+    assert (len(plan), check_plan(plan).verdict) == (3, "met")
+    assert {charge.charger for one in plan for charge in one.charges} == {"middle"}
+
+
 def test_a_fleet_that_is_named_charges_all_of_its_robots() -> None:
     five = dataclasses.replace(CORRIDOR, fleet=dataclasses.replace(CORRIDOR.fleet, robots=5))
     plan = make_plan(five)

@@ -10,6 +10,7 @@ import pytest
 from tests.planners.patrol.relief.test_relief import CORRIDOR
 
 from rota import check_plan, make_plan, replan
+from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Fleet, Mission
 from rota.model.motion_limits import MotionLimits
 from rota.model.plan import Plan
@@ -43,7 +44,7 @@ def test_a_way_into_a_moving_round_takes_its_run_up() -> None:
     """The charger at x = 100, the round at full speed from x = 60 on: back to 40 from rest to rest, 20 m of run-up."""
     ways, charger_m, phase_s = ways_of(corridor(motion=MASS)), np.array([100.0, 5.0]), 6.0
     lasts_s = 60 / SPEED_M_S + SPEED_M_S / A_M_S2 + SPEED_M_S / A_M_S2
-    found = ways.last_s(RAMPS, np.array([phase_s]), charger_m[None], 1.0)
+    found = ways.last_s(RAMPS, np.array([phase_s]), charger_m[None], 1.0, np.array([0]))
     assert found[0, 0] == pytest.approx(lasts_s, rel=SPARE)
     into = ways.into(charger_m, RAMPS, phase_s, 1.0, np.inf)
     assert into.duration_s == pytest.approx(lasts_s, rel=SPARE)
@@ -55,6 +56,17 @@ def test_a_way_into_a_moving_round_takes_its_run_up() -> None:
     back = ways.back(charger_m, RAMPS, phase_s, 1.0, np.inf)
     assert back.duration_s == pytest.approx(SPEED_M_S / A_M_S2 + 2 * (20 / A_M_S2) ** 0.5, rel=SPARE)
     assert np.allclose(back.places_m[[0, -1]], [[60.0, 5.0], [100.0, 5.0]])
+
+
+def test_where_a_battery_lasts_for_parts_of_a_round_ways_are_looked_for_at_even_spots() -> None:
+    charger_m, phases_s, even = np.array([[100.0, 5.0]]), np.array([6.0, 9.0, 12.0, 24.0]), np.array([0, 3])
+    parts = corridor(motion=MASS, battery=BatteryLimits(endurance_s=30, recharge_s=30))
+    whole = corridor(motion=MASS, battery=BatteryLimits(endurance_s=300, recharge_s=30))
+    found = ways_of(parts).last_s(RAMPS, phases_s, charger_m, 1.0, even)
+    every = ways_of(whole).last_s(RAMPS, phases_s, charger_m, 1.0, even)
+    assert np.isfinite(every).all()
+    assert (np.isfinite(found) == [True, False, False, True]).all()
+    assert (found[:, even] == every[:, even]).all()
 
 
 def test_a_round_is_told_as_it_goes_on_and_as_it_came() -> None:

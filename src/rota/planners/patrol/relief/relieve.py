@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -13,19 +13,21 @@ import numpy as np
 
 from rota.errors import NoPlanFound
 from rota.model.arrays import Floats
-from rota.model.battery_limits import ENDLESS, BatteryLimits
+from rota.model.battery_limits import ENDLESS
 from rota.model.mission import Charger, Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.relief.flights import on_shortest_ways, trajectories_of
 from rota.planners.patrol.relief.posts import with_fewer_posts
+from rota.planners.patrol.relief.roomy import cycles_with_room
 from rota.planners.patrol.relief.shifts import Clearance, Cycle, best_cycle, time_to_stop_s
 from rota.planners.patrol.relief.slots import (
     MOMENT,
     WINGS,
     Handovers,
     Slot,
+    chargers_by_way,
     handovers_of,
     slots_of,
     slower_slots,
@@ -178,6 +180,7 @@ class _Team:
         self._robot = mission.fleet.equal_robot("robot-1")
         self._ways, self._clearance = ways, clearance
         self._handovers = handovers_of(slots, mission.chargers, ways, self._clearance.seconds)
+        self._known: dict[tuple[int, ...], Cycle | None] = {}
         slots = slots if self._robot.battery.can_stand else [_for_wings(slot) for slot in slots]
         # who comes from a charger to a place beside it has not been there unless it stays for a moment
         self._slots = [
@@ -187,7 +190,10 @@ class _Team:
 
     def cycles(self) -> list[Cycle]:
         """The slots in cycles that take the fewest robots: each slot at the charger nearest to it, or all at one."""
-        nearest = [min(range(len(own)), key=lambda k: float(own[k].ways_s.min())) for own in self._handovers]
+        nearest = [
+            next((k for k in by_way if self._cycle_of([slot], k)), by_way[0])
+            for slot, by_way in enumerate(map(chargers_by_way, self._handovers))
+        ]
         tried = [self._cycles_at(nearest)]
         for charger in range(len(self._mission.chargers) if len(set(nearest)) > 1 else 0):
             with suppress(NoPlanFound):
@@ -209,32 +215,34 @@ class _Team:
 
     def _cycles_of(self, members: Sequence[int], charger: int) -> list[Cycle]:
         """The slots of a charger in cycles: all in one, or two by two as long as that spares a robot."""
-        own = [each[charger] for each in self._handovers]
-        battery = self._robot.battery
-
-        def cycle(slots: Sequence[int]) -> Cycle | None:
-            return best_cycle(self._slots, own, slots, battery, self._clearance, turns_s=self._turns_s)
-
-        alone = [cycle([k]) for k in members]
+        alone = [self._cycle_of([k], charger) for k in members]
         for k, each in zip(members, alone, strict=True):
             if each is None:
-                raise NoPlanFound(self._too_far(k, own[k].charger))
+                raise NoPlanFound(self._too_far(k, charger))
         cycles = [each for each in alone if each is not None]
-        together = cycle(members)
+        together = self._cycle_of(members, charger)
         if together is not None and together.robots <= _robots(cycles):
             return [together]
         while True:
             pairs = itertools.combinations(cycles, 2)
-            merged = [(a, b, cycle([s.slot for s in (*a.shifts, *b.shifts)])) for a, b in pairs]
+            merged = [(a, b, self._cycle_of([s.slot for s in (*a.shifts, *b.shifts)], charger)) for a, b in pairs]
             better = [(a, b, c) for a, b, c in merged if c is not None and c.robots < a.robots + b.robots]
             if not better:
                 return cycles
             a, b, c = min(better, key=lambda each: each[2].robots - each[0].robots - each[1].robots)
             cycles = [each for each in cycles if each is not a and each is not b] + [c]
 
-    def _too_far(self, slot: int, charger: Charger) -> str:
-        """That no robot can serve a slot within a battery."""
-        own, line = min(self._handovers[slot], key=lambda each: float(each.ways_s.min())), self._slots[slot].line
+    def _cycle_of(self, slots: Sequence[int], charger: int) -> Cycle | None:
+        """The cycle of some slots at a charger, by their numbers, kept for the next time; None: none does."""
+        key = (*slots, charger)
+        if key not in self._known:
+            own, battery = [each[charger] for each in self._handovers], self._robot.battery
+            self._known[key] = best_cycle(self._slots, own, slots, battery, self._clearance, turns_s=self._turns_s)
+        return self._known[key]
+
+    def _too_far(self, slot: int, charger: int) -> str:
+        """That no robot can serve a slot from a charger within a battery."""
+        own, line = self._handovers[slot][charger], self._slots[slot].line
         farthest = int(np.argmax(np.where(np.isfinite(own.ways_s), own.ways_s, 0.0)))  # from others none was found
         at = farthest if 2 * own.ways_s[farthest] > self._robot.battery.usable_s else own.nearest
         way_s, (x, y) = float(own.ways_s[at]), own.places_m[at]
@@ -242,7 +250,7 @@ class _Team:
         if not np.isfinite(way_s):
             return f"no charger can be reached from ({x:.6g}, {y:.6g}), where a robot is needed: give one there"
         return (
-            f"fleet.endurance_s: a robot has {battery.usable_s:.6g} s to use; from charger {charger.name!r} to"
+            f"fleet.endurance_s: a robot has {battery.usable_s:.6g} s to use; from charger {own.charger.name!r} to"
             f" ({x:.6g}, {y:.6g}) and back it takes {2 * way_s:.6g} s, and a round there {line.duration_s:.6g} s:"
             " give more, or a charger nearer by"
         )
@@ -304,46 +312,3 @@ class _Team:
             for rotation, flights in zip(rotations, flown, strict=True)
             for trajectory in trajectories_of(rotation, flights, list(itertools.islice(names, rotation.robots)))
         ], is_clear
-
-
-def cycles_with_room(
-    slots: Sequence[Slot],
-    handovers: Sequence[Sequence[Handovers]],
-    battery: BatteryLimits,
-    clearance: Clearance,
-    turns_s: Floats | None,
-) -> list[tuple[Cycle, ...]]:
-    """A cycle for each charger in use that has places for its robots on average: those of few robots first.
-
-    handovers: of each slot, for each charger. Slots are shared among chargers in all ways, where these are few; else
-    each is served from the nearest charger, or all are from one.
-    """
-    found: list[tuple[Cycle, ...]] = []
-    numbers = range(len(handovers[0]))
-    dealt = {tuple(min(numbers, key=lambda k: float(own[k].ways_s.min())) for own in handovers)}
-    dealt |= {(number,) * len(slots) for number in numbers}
-    if len(numbers) ** len(slots) <= 64:
-        dealt |= set(itertools.product(numbers, repeat=len(slots)))
-    for chargers in sorted(dealt):
-        members = [[k for k, own in enumerate(chargers) if own == charger] for charger in sorted(set(chargers))]
-        each = [
-            list(_cycles_at([every[chargers[own[0]]] for every in handovers], slots, own, battery, clearance, turns_s))
-            for own in members
-        ]
-        found += itertools.product(*each)
-    return sorted(found, key=lambda cycles: sum(cycle.robots for cycle in cycles))
-
-
-def _cycles_at(
-    handovers: Sequence[Handovers], slots: Sequence[Slot], members: Sequence[int], battery: BatteryLimits,
-    clearance: Clearance, turns_s: Floats | None,
-) -> Iterator[Cycle]:  # fmt: skip
-    """Cycles of some slots, by their numbers, at the charger of these handovers, which has places for their robots."""
-    # in a pause of more than two ways both robots that change are at the charger at once
-    for most_pause_ways in (math.inf, 2.0):
-        cycle = best_cycle(
-            slots, handovers, members, battery, clearance, places=handovers[0].charger.places,
-            most_pause_ways=most_pause_ways, turns_s=turns_s,
-        )  # fmt: skip
-        if cycle is not None:
-            yield cycle

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rota.model.arrays import Floats
+from rota.model.arrays import Floats, Ints
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Mission
 from rota.model.plan import Plan, Trajectory
@@ -84,11 +84,15 @@ class Handovers:
 
     def nearest_parts(self, lasts_s: float, parts: int) -> tuple[list[int], float]:
         """Those that cut the round, of so many seconds, in equal parts with the shortest longest way, and that way."""
-        even = np.searchsorted(self.phases_s, np.arange(SPOTS) * (lasts_s / SPOTS) - SAME_TIME_S)
-        cuts = even.reshape(parts, SPOTS // parts).T
+        cuts = even_spots(self.phases_s, lasts_s).reshape(parts, SPOTS // parts).T
         longest_s = self.ways_s[cuts].max(axis=1)
         k = int(np.argmin(longest_s))
         return [int(each) for each in cuts[k]], float(longest_s[k])
+
+
+def chargers_by_way(handovers: Sequence[Handovers]) -> list[int]:
+    """The chargers of these handovers of one slot, by their numbers: those with the shortest ways first."""
+    return sorted(range(len(handovers)), key=lambda k: float(handovers[k].ways_s.min()))
 
 
 def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
@@ -190,7 +194,9 @@ def handovers_of(
     places = [slot.line.at(phases_s) for slot, phases_s in zip(slots, spots, strict=True)]
     chargers_m = np.array([charger.at for charger in chargers])
     lasts_s = [
-        ways.last_s(slot.line, phases_s, chargers_m, slot.slower(slot.most_s))
+        ways.last_s(
+            slot.line, phases_s, chargers_m, slot.slower(slot.most_s), even_spots(phases_s, slot.line.duration_s)
+        )
         for slot, phases_s in zip(slots, spots, strict=True)
     ]
     found = [
@@ -225,3 +231,9 @@ def spots_s(line: TimedLine) -> Floats:
         return np.zeros(1)
     even_s = np.arange(SPOTS) * (line.duration_s / SPOTS)
     return np.unique(np.concatenate([line.times_s[:-1], even_s]))
+
+
+def even_spots(phases_s: Floats, lasts_s: float) -> Ints:
+    """Which of the phases of a round of so many seconds, ascending, are the spots evenly between (SPOTS,)."""
+    found: Ints = np.searchsorted(phases_s, np.arange(SPOTS) * (lasts_s / SPOTS) - SAME_TIME_S)
+    return found

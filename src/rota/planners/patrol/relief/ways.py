@@ -12,7 +12,7 @@ import numpy as np
 from rota.errors import PlanError
 from rota.geometry.kernels import free_segments
 from rota.geometry.shortest_path import ShortestPaths
-from rota.model.arrays import Floats
+from rota.model.arrays import Floats, Ints
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.round_starts import steady_legs
 from rota.planners.patrol.driving.rounded import driving_with_mass
@@ -88,11 +88,12 @@ class Ways:
         """How long the shortest ways take (c, k) from chargers (c, 2) to places (k, 2) at full speed all the way."""
         return np.asarray(self.paths.distances(chargers_m, places_m) / self._robot.ground_speed_m_s)
 
-    def last_s(self, line: TimedLine, phases_s: Floats, chargers_m: Floats, slower: float) -> Floats:
+    def last_s(self, line: TimedLine, phases_s: Floats, chargers_m: Floats, slower: float, even: Ints) -> Floats:
         """How long ways take (c, k) from chargers (c, 2) into a round at its phases (k,), or back, whichever is longer.
 
-        slower: by how much longer than ``line`` its rounds may take. inf: no way leads there, or it was not looked for,
-        since there are nearer ones and a battery lasts for whole rounds.
+        slower: by how much longer than ``line`` its rounds may take. even: the phases that are enough where batteries
+        last for parts of a round only. inf: no way leads there, or it was not looked for, since there are nearer ones
+        and a battery lasts for whole rounds, or for none.
         """
         straight_s = self.straight_s(chargers_m, line.at(phases_s))
         if self._at_once:
@@ -100,8 +101,9 @@ class Ways:
         both = list(zip(*(motions_of(line, phases_s, before=before) for before in (False, True)), strict=True))
         found = np.full(straight_s.shape, np.inf)
         rest_s = self._robot.battery.usable_s - line.duration_s * slower
+        in_parts = line.duration_s > self._robot.battery.usable_s
         for own_s, nearest_s, charger_m in zip(found, straight_s, chargers_m, strict=True):
-            for n, k in enumerate(np.argsort(nearest_s, kind="stable")):
+            for n, k in enumerate(even if in_parts else np.argsort(nearest_s, kind="stable")):
                 if n >= MOST_LOOKED_AT and 2 * float(own_s.min()) <= rest_s:
                     break
                 own_s[k] = self._longer_s(charger_m, both[k], slower)

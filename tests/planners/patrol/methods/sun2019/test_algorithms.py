@@ -108,6 +108,7 @@ def test_plans_do_not_depend_on_what_is_installed(alone: dict[str, Any], tmp_pat
         assert rota.read_plan(alone["folder"] / f"{k}.rota.json") == plan
 
 
+@pytest.mark.slow  # from the same process
 def test_what_the_studies_bring_is_refused_by_its_place_with_what_is_allowed_and_who_brings_it(
     alone: dict[str, Any],
 ) -> None:
