@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.first_tours import lane_order
 from rota.planners.patrol.tours.order_kernels import improve_once, nearest_neighbour_tour, reverse_places
-from rota.planners.patrol.tours.visiting_order import nearest_places, short_order
+from rota.planners.patrol.tours.visiting_order import nearest_places, order_of_pairs, short_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -78,12 +78,8 @@ def test_shapes_other_than_the_plane() -> None:
         assert length(d, order) <= 1.4 * shortest(d)
 
 
-def test_rounding_of_large_distances_is_no_gain(monkeypatch: pytest.MonkeyPatch) -> None:
-    # ends of lanes in pairs that must stay together, 22 km of them: 1e-9 m is less than sums of such distances are off
-    x = np.repeat(np.arange(367) * 60.0 + 0.1, 2)
-    d = np.abs(x[:, None] - x[None])
-    pairs = np.arange(0, len(x), 2)
-    d[pairs, pairs + 1] = d[pairs + 1, pairs] = -1e3 * (1 + d.max())
+@pytest.fixture
+def _passes_that_end(monkeypatch: pytest.MonkeyPatch) -> None:
     passes = itertools.count()
 
     def improve(*places: Floats) -> bool:
@@ -91,8 +87,29 @@ def test_rounding_of_large_distances_is_no_gain(monkeypatch: pytest.MonkeyPatch)
         return bool(improve_once(*places))
 
     monkeypatch.setattr(f"{short_order.__module__}.improve_once", improve)
+
+
+@pytest.mark.usefixtures("_passes_that_end")
+def test_rounding_of_large_distances_is_no_gain() -> None:
+    # ends of lanes in pairs that must stay together, 22 km of them: 1e-9 m is less than sums of such distances are off
+    x = np.repeat(np.arange(367) * 60.0 + 0.1, 2)
+    d = np.abs(x[:, None] - x[None])
+    pairs = np.arange(0, len(x), 2)
+    d[pairs, pairs + 1] = d[pairs + 1, pairs] = -1e3 * (1 + d.max())
     order = short_order(d)
     assert length(d, order) == pytest.approx(2 * x.max() - 0.2 + 367 * d.min())
+
+
+@pytest.mark.usefixtures("_passes_that_end")
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("lines", [4, 10])
+def test_orders_of_lines_end_however_much_their_ends_are_kept_together(lines: int, seed: int) -> None:
+    """Lines in 10 km, half of the ways between them far longer than straight ones."""
+    chance = np.random.default_rng(seed)
+    ends_m = 1e4 * chance.random((2 * lines, 2))
+    d = np.hypot(*(ends_m[:, None] - ends_m[None]).transpose(2, 0, 1)) * chance.choice([1.0, 10.0], (2 * lines,) * 2)
+    order = order_of_pairs(np.maximum(d, d.T))
+    assert sorted(line for line, _ in order) == list(range(lines))
 
 
 def test_places_on_one_spot() -> None:

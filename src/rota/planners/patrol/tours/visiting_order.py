@@ -22,8 +22,8 @@ def short_order(distance_m: Floats) -> Ints:
     distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
     order: Ints = nearest_neighbour_tour(distance_m)
     near = nearest_places(distance_m, 12)
-    # sums of four may be off by so much
-    least_m = max(SAME_PLACE_M, 4 * np.finfo(np.float64).eps * float(distance_m.max()))
+    # sums of four may be off by so much; ends of a line are far below zero from each other
+    least_m = max(SAME_PLACE_M, 4 * np.finfo(np.float64).eps * float(np.abs(distance_m).max()))
     while improve_once(distance_m, near, least_m, order):
         pass
     return order
