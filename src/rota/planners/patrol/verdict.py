@@ -140,12 +140,21 @@ def never_seen(verdict: Verdict) -> int | None:
     return next(k for k, demand in enumerate(verdict.demands) if demand is worst)
 
 
+def worst_fault(verdict: Verdict) -> str:
+    """Of what is wrong with the routes themselves that which is most beyond what is allowed, where, and of whom."""
+    fault = max(verdict.violations, key=lambda fault: abs(fault.value - fault.limit), default=None)
+    if fault is None:
+        return "the check finds the routes themselves at fault"
+    place = "" if fault.place_m is None else f" at ({fault.place_m[0]:.6g}, {fault.place_m[1]:.6g})"
+    return f"{fault.who}: {fault.kind}{place}: {fault.value:.6g} {fault.unit}, allowed {fault.limit:.6g} {fault.unit}"
+
+
 def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
         told = touching(verdict) or standing(verdict) or crowding(verdict) or excess_of_unseeable(verdict)
-        return told or "the check finds the routes themselves at fault"
+        return told or worst_fault(verdict)
     what, period_s = demand_in_words(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"

@@ -68,6 +68,13 @@ def test_the_reason_names_what_is_missed_most(name: str, at_least_s: float, at_m
     assert worst_reached(SimpleNamespace(demands=(met, asked), violations=())) == words
 
 
+def test_the_reason_names_what_is_wrong_with_the_routes() -> None:
+    outside = {"kind": "outside area", "who": "robot-2", "limit": 1e-6, "unit": "m"}
+    faults = [SimpleNamespace(**outside, place_m=(3.0, -value), value=value) for value in (2.0, 30.25, 4.0)]
+    verdict = SimpleNamespace(demands=(), violations=faults)
+    assert worst_reached(verdict) == "robot-2: outside area at (3, -30.25): 30.25 m, allowed 1e-06 m"
+
+
 def test_the_reason_names_what_nobody_can_see() -> None:
     fault = SimpleNamespace(kind="unseeable", value=301.25, limit=300.0)
     words = "nobody can see 301.25 m2 of what is asked, and 300 m2 may be left out"
