@@ -1,4 +1,4 @@
-"""Robots that charge: Sun 2019's cases, tiny missions beside brute force, yards with limited jerks, a large check.
+"""Robots that charge: Sun 2019's cases, tiny missions beside brute force, random yards and docks, a large check.
 
 Brute force. Places lie on a line, a second apart; one is the charger. In each second a robot goes to the next place,
 hovers, or charges. A state is where all robots are, how full they are, and how long ago each place was visited. States
@@ -34,7 +34,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 MOST_RATIO = 1.35  # of robots to the proved bound, over all cases
-TINY, YARDS = 100, 40
+TINY, YARDS, DOCKS = 100, 40, 60
 MOST_BY_FORCE = 2
 RELIEFS, TEAM = 40, 20
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -59,6 +59,7 @@ def charging(options: Options) -> Iterator[Row]:
     yield checked_row(min((plan for plan in plans if len(plan) >= TEAM), key=len, default=max(plans, key=len)))
     yield from (motion_row(options, *each) for each in MOTIONS)
     yield yards_row()
+    yield docks_row()
     yield tiny_row()
 
 
@@ -111,6 +112,45 @@ def yard(seed: int) -> Mission:
     return Mission(
         name="yard", area=MultiPolygon([box(0, 0, wide_m, high_m)]), period_s=round(period_s), fleet=fleet,
         chargers=(Charger(name="pad", at=(wide_m / 2, 2), places=9),), planning=PatrolSettings(effort="quick"),
+    )  # fmt: skip
+
+
+def docks_row() -> Row:
+    """How many random missions have a plan whose chargers have one place each; some have too few for any."""
+    robots, began_s = list[int](), time.process_time()
+    for seed in range(DOCKS):
+        with suppress(NoPlanFound):
+            plan = make_plan(docks(seed))
+            if check_plan(plan).verdict == "met":
+                robots.append(len(plan))
+    cpu_s = time.process_time() - began_s
+    measured = f"{len(robots)} of {DOCKS} met, {sum(robots)} robots; CPU {cpu_s:.0f} s"
+    return Row(f"{DOCKS} random missions with docks of one place", "", measured, None)
+
+
+def docks(seed: int) -> Mission:
+    """Ground at random for drones, a zone in it or none, and two to six docks anywhere."""
+    chance = random.Random(seed)
+    speed_m_s, reach_m = chance.choice([5, 10, 15]), chance.choice([20, 40, 60])
+    wide_m, high_m = chance.choice([200, 400, 800]), chance.choice([150, 300, 600])
+    period_s = round(wide_m * high_m / (2 * reach_m * speed_m_s) * chance.choice([0.6, 1.0, 1.5, 2.5]) + 20)
+    zones = list[Zone]()
+    if chance.random() < 0.4:
+        x, y = chance.uniform(0.1, 0.6) * wide_m, chance.uniform(0.1, 0.5) * high_m
+        shape = MultiPolygon([box(x, y, x + 0.2 * wide_m, y + 0.2 * high_m)])
+        own_s = round(period_s * chance.choice([0.4, 0.7]))
+        zones.append(Zone(name="gate", period_s=own_s, shape=shape, demand=chance.choice(["visit", "every_point"])))
+    endurance_s, count = chance.choice([900, 1500, 2400]), chance.choice([2, 3, 4, 6])
+    recharge_s = endurance_s * chance.choice([0.5, 1, 1.5])
+    fleet = Fleet(
+        speed_m_s=speed_m_s, sensor=DiscSensor(radius_m=reach_m), body_radius_m=chance.choice([0, 0, 0, 0.5]),
+        battery=BatteryLimits(endurance_s=endurance_s, recharge_s=recharge_s),
+    )  # fmt: skip
+    places = [(chance.uniform(0.05, 0.95) * wide_m, chance.uniform(0.05, 0.95) * high_m) for _ in range(count)]
+    return Mission(
+        name="docks", area=MultiPolygon([box(0, 0, wide_m, high_m)]), period_s=period_s, zones=tuple(zones),
+        fleet=fleet, chargers=tuple(Charger(name=f"dock {k}", at=at, places=1) for k, at in enumerate(places)),
+        planning=PatrolSettings(effort="quick"),
     )  # fmt: skip
 
 

@@ -176,6 +176,6 @@ def test_turns_by_next_to_nothing_take_no_rows_of_their_own() -> None:
     )  # the second step is lost beside the time of the launch
     places_m = np.array([(0.0, 0.0), (5.0, 0.0), (5.0, 0.0), (5.0, 5.0), (0.0, 0.0)])
     line = TimedLine(times_s, places_m, np.zeros(4))
-    robot = robot_of_jobs("robot-1", Charger(name="pad", at=(0, 0)), [(210.4, line)], 400.0)
+    robot = robot_of_jobs("robot-1", [Charger(name="pad", at=(0, 0))], [(210.4, line)], 400.0)
     np.testing.assert_allclose(robot.times_s, [0, 210.4, 215.4, 220.4, 225.4, 400])
     np.testing.assert_allclose(robot.positions_m[2:5], [(5, 0), (5, 5), (0, 0)])

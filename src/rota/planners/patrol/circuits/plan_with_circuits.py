@@ -76,7 +76,7 @@ def _trajectories(circuits: Sequence[Circuit], mission: Mission, most: int, seed
             for k in range(ring.robots):
                 later = [(begins_s + k * ring.turn_s, line) for begins_s, line in jobs]
                 name = named[len(made)].name if named else f"robot-{len(made) + 1}"
-                made.append(robot_of_jobs(name, own[0].charger, later, ring.lasts_s))
+                made.append(robot_of_jobs(name, [own[0].charger], later, ring.lasts_s))
     return made
 
 

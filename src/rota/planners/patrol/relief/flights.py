@@ -48,9 +48,9 @@ class Flight:
 def trajectories_of(rotation: Rotation, flights: Sequence[Flight], names: Sequence[str]) -> list[Trajectory]:
     """The trajectories of a rotation's robots, which have these names; each repeats from time 0 on."""
     jobs = [(flight.begins_s, flight.line) for flight in flights]
-    charger, turn_s = rotation.cycle.charger, rotation.cycle.turn_s
+    chargers, turn_s = [rotation.cycle.charger], rotation.cycle.turn_s
     return [
-        robot_of_jobs(name, charger, [(begins_s + k * turn_s, line) for begins_s, line in jobs], rotation.lasts_s)
+        robot_of_jobs(name, chargers, [(begins_s + k * turn_s, line) for begins_s, line in jobs], rotation.lasts_s)
         for k, name in enumerate(names)
     ]
 
@@ -59,11 +59,12 @@ def on_shortest_ways(
     rotation: Rotation, slots: Sequence[Slot], handovers: Sequence[Handovers], ways: Ways
 ) -> list[Flight]:
     """The jobs of a rotation as they are driven on the shortest ways."""
-    return [_flight(job, slots[job.shift.slot], handovers[job.shift.slot], ways) for job in rotation.jobs]
+    owns = [handovers[job.shift.slot] for job in rotation.jobs]
+    return [flight(job, slots[job.shift.slot], own, own, ways) for job, own in zip(rotation.jobs, owns, strict=True)]
 
 
-def _flight(job: Job, slot: Slot, own: Handovers, ways: Ways) -> Flight:
-    """A job on the shortest ways from the charger and back to it."""
+def flight(job: Job, slot: Slot, own: Handovers, after: Handovers, ways: Ways) -> Flight:
+    """A job on the shortest ways from the charger of some handovers, and back to that of others."""
     shift, charger_m, line = job.shift, np.array(own.charger.at), slot.line
     begins_phase_s, slower = float(own.phases_s[job.handover]), slot.slower(shift.round_s)
     way_s, (ends, serves_s) = float(own.ways_s[job.handover]), leaves_at(job, slot, own)
@@ -71,7 +72,7 @@ def _flight(job: Job, slot: Slot, own: Handovers, ways: Ways) -> Flight:
         into, back, _ = own.passing
     else:
         into = ways.into(charger_m, line, begins_phase_s, slower, way_s)
-        back = ways.back(charger_m, line, float(own.phases_s[ends]), slower, float(own.ways_s[ends]))
+        back = ways.back(np.array(after.charger.at), line, float(own.phases_s[ends]), slower, float(after.ways_s[ends]))
     served = _rounds_at(slot, serves_s, shift.round_s, begins_phase_s)
     return Flight(
         job=job,
@@ -126,10 +127,12 @@ def _rounds_at(slot: Slot, serves_s: float, round_s: float, phase_s: float) -> T
     return without_cuts(served, np.concatenate(cuts_s)) if cuts_s else served
 
 
-def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, TimedLine]], lasts_s: float) -> Trajectory:
+def robot_of_jobs(
+    name: str, chargers: Sequence[Charger], jobs: Sequence[tuple[float, TimedLine]], lasts_s: float
+) -> Trajectory:
     """A robot that takes off for these jobs at their times, again and again after ``lasts_s``, and charges between.
 
-    It begins with what it does at time 0, in the middle of a job as may be.
+    chargers: those at which jobs end. It begins with what it does at time 0, in the middle of a job as may be.
     """
     first_s = jobs[0][0]
     rounds = np.floor((first_s + SAME_TIME_S) / lasts_s)
@@ -138,7 +141,9 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
     if abs(first_s) <= SAME_TIME_S:
         jobs, first_s = [(begins_s - first_s, line) for begins_s, line in jobs], 0.0
     times_s = np.concatenate([*(begins_s + line.times_s for begins_s, line in jobs), [first_s + lasts_s]])
-    places_m = np.vstack([*(line.places_m for _, line in jobs), np.array(charger.at)])
+    places_m = np.vstack(
+        [*(line.places_m for _, line in jobs), np.array(_nearest(chargers, jobs[-1][1].places_m[-1]).at)]
+    )
     changes = np.concatenate([np.append(line.accelerations_m_s2, 0.0) for _, line in jobs])  # 0: on the charger
     ends = np.cumsum([len(line.times_s) for _, line in jobs])
     docked = np.zeros(len(times_s) - 1, np.bool_)
@@ -147,7 +152,11 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
     if times_s[0] > 0:
         line, docked = _from_zero(line, docked, lasts_s)
     charges = [
-        Charge(charger=charger.name, from_s=float(line.times_s[a]), until_s=float(line.times_s[b]))
+        Charge(
+            charger=_nearest(chargers, line.places_m[a]).name,
+            from_s=float(line.times_s[a]),
+            until_s=float(line.times_s[b]),
+        )
         for a, b in _runs(docked)
     ]
     changes = forward_accelerations(*line)
@@ -155,6 +164,11 @@ def robot_of_jobs(name: str, charger: Charger, jobs: Sequence[tuple[float, Timed
         robot=name, times_s=line.times_s, positions_m=line.places_m, charges=tuple(charges),
         accelerations_m_s2=changes if changes.any() else None,
     )  # fmt: skip
+
+
+def _nearest(chargers: Sequence[Charger], place_m: Floats) -> Charger:
+    """The charger at a place (2,)."""
+    return min(chargers, key=lambda charger: float(np.hypot(*(np.array(charger.at) - place_m))))
 
 
 def without_moments(line: TimedLine) -> TimedLine:

@@ -95,6 +95,16 @@ def chargers_by_way(handovers: Sequence[Handovers]) -> list[int]:
     return sorted(range(len(handovers)), key=lambda k: float(handovers[k].ways_s.min()))
 
 
+def nearest_s(handovers: Sequence[Handovers]) -> float:
+    """The shortest way between a slot and a charger."""
+    return min(float(own.ways_s.min()) for own in handovers)
+
+
+def for_wings(slot: Slot) -> Slot:
+    """The slot of robots that go round it hardly more slowly than they can."""
+    return slot if slot.line.stays else replace(slot, slowest_s=slot.line.duration_s / WINGS)
+
+
 def slots_of(plan: Plan, worst_ratio: float) -> list[Slot]:
     """The loops of a plan whose worst gap is ``worst_ratio`` times its period: rounds may take as much longer."""
     durations_s, robot = np.array([one.loop_duration_s for one in plan]), plan.mission.fleet.equal_robot("robot-1")
