@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from shapely import LineString
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
@@ -40,13 +41,31 @@ from rota.planners.patrol.traffic.starts.approaches import timed_approach, witho
 class Circuit:
     """A way from a charger round ground and back, to be begun every ``most_s`` seconds at least.
 
-    used_s: seconds of driving that it takes from a battery, the take-off left out.
+    used_s: seconds of driving that it takes from a battery, the take-off left out. place: the zone to visit that it is
+    for, if that is all and robots change speed at once; None: any other ground.
     """
 
     charger: Charger
     line: TimedLine
     most_s: float
     used_s: float
+    place: shapely.MultiPolygon | None = None
+
+
+def visits_s(line: TimedLine, place: shapely.MultiPolygon) -> Floats:
+    """When a line without accelerations comes into a place and leaves it (n, 2), by the way and at its ends."""
+    legs, found = shapely.linestrings(np.stack([line.places_m[:-1], line.places_m[1:]], axis=1)), list[list[float]]()
+    for k in np.flatnonzero(shapely.intersects(legs, place)):
+        begin_s, end_s, length_m = *line.times_s[k : k + 2], float(shapely.length(legs[k]))
+        for part in shapely.get_parts(shapely.intersection(legs[k], place)) if length_m else [legs[k]]:
+            along_m = np.hypot(*(shapely.get_coordinates(part) - line.places_m[k]).T)
+            shares = along_m / length_m if length_m else np.array([0.0, 1.0])
+            own = [begin_s + (end_s - begin_s) * share for share in (shares.min(), shares.max())]
+            if found and own[0] <= found[-1][1] + SAME_TIME_S:
+                found[-1][1] = own[1]
+            else:
+                found.append(own)
+    return np.array(found).reshape(-1, 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +110,9 @@ def circuits_of(
         charger = mission.chargers[int(np.argmin(ways_s[:, begin] + ways_s[:, end]))]
         out_m, back_m = paths.path(charger.at, line_m[begin]), paths.path(line_m[end], charger.at)
         found.append(_circuit(charger, [out_m, line_m[begin : end + 1], back_m], ground.period_s, mission))
+    is_place = len(found) == len(ground.regions) == 1 and ground.regions[0].demand == "visit"
+    if is_place and mission.fleet.equal_robot("robot-1").turns_at_once:
+        found = [replace(found[0], place=ground.regions[0].shape)]
     return found
 
 
@@ -174,10 +196,12 @@ def cut_at_chargers(ways_s: Floats, times_s: Floats, usable_s: float) -> list[tu
 def _circuit(charger: Charger, parts_m: Sequence[Floats], period_s: float, mission: Mission) -> Circuit:
     """The circuit along a way out, corners one after the other, and a way back; at one corner a robot stays a moment.
 
-    Who comes from a charger to a place beside it has not been there unless it stays, which a wing cannot.
+    Who comes from a charger to a place beside it has not been there unless it stays, which a wing cannot; nor need one
+    that turns at once stay at a place farther off.
     """
     robot, battery = mission.fleet.equal_robot("robot-1"), mission.fleet.battery
-    stays_s = MOMENT * period_s if len(parts_m[1]) == 1 and battery.can_stand else 0.0
+    comes_by = robot.turns_at_once and len(parts_m[0]) > 1 and shapely.length(LineString(parts_m[0])) > SAME_PLACE_M
+    stays_s = MOMENT * period_s if len(parts_m[1]) == 1 and battery.can_stand and not comes_by else 0.0
     if robot.turns_at_once:
         line = _at_once(parts_m, stays_s, robot.ground_speed_m_s * SLOWER)
     else:
@@ -212,14 +236,19 @@ def _in_motion(line_m: Floats, robot: Robot) -> TimedLine:
 def least_on_circuits(mission: Mission, busy_per_s: float) -> float:
     """Robots that circuits hardly do with fewer of: for perfect lanes, for the ways of each launch, and for charging.
 
-    busy_per_s: seconds on a charger for each in the air.
+    busy_per_s: seconds on a charger for each in the air. A place to visit takes fewer launches where circuits of longer
+    periods come past it on the way there and back.
     """
     robot = strongest_robot(mission.fleet)
     chargers = shapely.MultiPoint([charger.at for charger in mission.chargers])
-    flying = 0.0
-    for ground in grounds_of(mission):
+    flying = past_per_s = 0.0
+    for ground in reversed(grounds_of(mission)):
         lanes_m = sum(r.shape.area for r in ground.regions if r.demand == "every_point") / (2 * robot.sensor.reach_m)
         away_m = max(shapely.distance(chargers, region.shape) for region in ground.regions)
         ways_m = 2 * max(0.0, away_m - robot.sensor.reach_m)
-        flying += max(lanes_m, ways_m) / robot.ground_speed_m_s / ground.period_s
+        launches_per_s = 1 / ground.period_s
+        if all(region.demand == "visit" for region in ground.regions):
+            launches_per_s = max(0.0, launches_per_s - past_per_s)
+            past_per_s += 2 * launches_per_s
+        flying += max(lanes_m, ways_m) / robot.ground_speed_m_s * launches_per_s
     return flying * (1 + busy_per_s)

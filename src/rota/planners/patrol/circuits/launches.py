@@ -16,9 +16,11 @@ import numpy as np
 from rota.errors import NoPlanFound
 from rota.model.arrays import Floats, Ints
 from rota.model.battery_limits import BatteryLimits
-from rota.planners.patrol.circuits.ground import Circuit
+from rota.planners.patrol.circuits.ground import Circuit, visits_s
 from rota.planners.patrol.relief.shifts import MOST_JOBS, stays_s
 from rota.planners.patrol.tolerances import ROUNDING, SAME_ROUND, SAME_TIME_S, SHORTEST_S
+
+MOST_LAUNCHES = 60  # in a turn
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,6 +30,15 @@ class Turn:
     lasts_s: float
     counts: Ints
     robots: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Timetable:
+    """Which circuits are launched in a turn (n,), by their numbers, and when, ascending from 0 on."""
+
+    lasts_s: float
+    circuits: Ints
+    begins_s: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,11 +73,55 @@ def turns_of(circuits: Sequence[Circuit], battery: BatteryLimits) -> list[Turn]:
     found = {}
     for turn_s in np.unique([k * period_s for period_s in most_s for k in range(1, MOST_JOBS + 1)]):
         counts = np.maximum(1, np.ceil(turn_s / most_s * (1 - SAME_ROUND))).astype(np.int64)
-        if counts.sum() <= max(60, len(circuits)):  # launches
+        if counts.sum() <= max(MOST_LAUNCHES, len(circuits)):
             robots = float((counts * busy_s).sum() / turn_s)
             found[float(turn_s)] = Turn(lasts_s=float(turn_s), counts=counts, robots=robots)
     by_robots = sorted(found.values(), key=lambda turn: (math.ceil(turn.robots - ROUNDING), turn.counts.sum()))
     return by_robots[:6]  # for each of them phases are tried
+
+
+def even_launches(turn: Turn, phases: Floats) -> Timetable:
+    """The launches of a turn, evenly; phases (circuits,): of each circuit the first, in shares of the time between."""
+    number = np.repeat(np.arange(len(turn.counts)), turn.counts)
+    each = np.concatenate([np.arange(count) for count in turn.counts])
+    begins_s = np.mod((each + phases[number]) * (turn.lasts_s / turn.counts[number]), turn.lasts_s)
+    return _in_order(turn.lasts_s, number, begins_s)
+
+
+def launches_between(circuits: Sequence[Circuit], lasts_s: float) -> Timetable:
+    """The launches of a turn where circuits of longer periods come past places that others are for.
+
+    Those of the longest period come evenly, from 0 on; those of shorter and shorter ones fill the gaps that are left.
+    """
+    number, begins_s = list[int](), list[float]()
+    for k in sorted(range(len(circuits)), key=lambda k: -circuits[k].most_s):
+        own = circuits[k]
+        seen_s = [
+            begin_s + visit_s
+            for other, begin_s in zip(number, begins_s, strict=True)
+            for visit_s in (visits_s(circuits[other].line, own.place) if own.place else ())
+        ]
+        starts_s, ends_s = np.array(seen_s).reshape(-1, 2).T
+        order = np.argsort(np.mod(ends_s, lasts_s))
+        starts_s, ends_s = starts_s[order], ends_s[order]
+        if len(order):
+            gaps_s = np.mod(np.roll(starts_s, -1) - ends_s, lasts_s) if len(order) > 1 else starts_s + lasts_s - ends_s
+            first_s = float(visits_s(own.line, own.place)[0].mean())
+        else:  # a whole turn from one launch to itself
+            ends_s, gaps_s, first_s = np.zeros(1), np.array([lasts_s]), 0.0
+            number.append(k)
+            begins_s.append(0.0)
+        for end_s, gap_s in zip(ends_s, gaps_s, strict=True):
+            more = max(0, math.ceil(gap_s / own.most_s * (1 - SAME_ROUND)) - 1)
+            number += [k] * more
+            begins_s += (end_s - first_s + gap_s * np.arange(1, more + 1) / (more + 1)).tolist()
+    return _in_order(lasts_s, np.array(number), np.mod(begins_s, lasts_s))
+
+
+def _in_order(lasts_s: float, number: Ints, begins_s: Floats) -> Timetable:
+    """The timetable of launches of circuits (n,), by their numbers, at times (n,) of a turn; the first one is at 0."""
+    order = np.argsort(begins_s, kind="stable")
+    return Timetable(lasts_s=lasts_s, circuits=number[order], begins_s=begins_s[order] - begins_s[order][0])
 
 
 def fewest_rings(
@@ -74,7 +129,11 @@ def fewest_rings(
 ) -> list[Ring]:
     """The rings of the circuits of one charger with the fewest robots from ``least`` to ``most``; NoPlanFound: none."""
     chance = np.random.default_rng(seed)
-    turns = turns_of(circuits, battery)
+    turns, filled = turns_of(circuits, battery), list[Timetable]()
+    if any(circuit.place for circuit in circuits):
+        periods_s = {circuit.most_s for circuit in circuits}
+        filled = [launches_between(circuits, k * s) for s in sorted(periods_s) for k in range(1, MOST_JOBS + 1)]
+        filled = [each for each in filled if len(each.circuits) <= MOST_LAUNCHES]
     for robots in range(max(least, 1), min(most, max(least, _surely_enough(circuits, battery))) + 1):
         for turn in turns:
             if turn.robots > robots + ROUNDING:
@@ -82,9 +141,13 @@ def fewest_rings(
             for number in range(24):  # phases that are tried for these robots and this turn
                 spread = np.arange(len(circuits)) / len(circuits)
                 phases = chance.random(len(circuits)) if number or seed else spread
-                rings = _Queue(circuits, turn, phases, robots, battery).rings()
+                rings = _Queue(circuits, even_launches(turn, phases), robots, battery).rings()
                 if rings is not None:
                     return rings
+        for timetable in filled:
+            rings = _Queue(circuits, timetable, robots, battery).rings()
+            if rings is not None:
+                return rings
     charger = circuits[0].charger
     raise NoPlanFound(f"circuits from charger {charger.name!r} are flown by no team of {least} to {most} robots")
 
@@ -101,15 +164,9 @@ def _surely_enough(circuits: Sequence[Circuit], battery: BatteryLimits) -> int:
 class _Queue:
     """The launches of a turn at their times, and who goes next for which; who has landed may climb again at once."""
 
-    def __init__(
-        self, circuits: Sequence[Circuit], turn: Turn, phases: Floats, robots: int, battery: BatteryLimits
-    ) -> None:
-        self._circuits, self._turn_s, self._robots, self._battery = circuits, turn.lasts_s, robots, battery
-        number = np.repeat(np.arange(len(circuits)), turn.counts)
-        each = np.concatenate([np.arange(count) for count in turn.counts])
-        begins_s = np.mod((each + phases[number]) * (turn.lasts_s / turn.counts[number]), turn.lasts_s)
-        order = np.argsort(begins_s, kind="stable")
-        self._number, self._begins_s = number[order], begins_s[order] - begins_s[order][0]
+    def __init__(self, circuits: Sequence[Circuit], timetable: Timetable, robots: int, battery: BatteryLimits) -> None:
+        self._circuits, self._turn_s, self._robots, self._battery = circuits, timetable.lasts_s, robots, battery
+        self._number, self._begins_s = timetable.circuits, timetable.begins_s
         lasts_s = np.array([circuit.line.duration_s for circuit in circuits])[self._number]
         self._ends_s = self._begins_s + lasts_s + battery.grounding_s
 
