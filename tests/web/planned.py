@@ -23,10 +23,12 @@ def planned_mission(url: str) -> str:
     return _made[url]
 
 
-def newly_planned(url: str) -> str:
-    """The id of another mission that has a plan."""
+def newly_planned(url: str, name: str = "small") -> str:
+    """The id of another mission, of this name, that has a plan."""
     with httpx.Client(base_url=url, timeout=60) as client:
-        mission = client.post("/api/missions", json={"document": SMALL}).raise_for_status().json()["id"]
+        mission = (
+            client.post("/api/missions", json={"document": {**SMALL, "name": name}}).raise_for_status().json()["id"]
+        )
         job = client.post("/api/jobs", json={"mission": mission}).raise_for_status().json()["id"]
         with client.stream("GET", f"/api/jobs/{job}/events", timeout=COMPILING_MS / 1000) as events:
             for _ in events.iter_lines():

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import open_page
 from tests.web.drawing import COMPILING_MS, document, draw_polygon, draw_two, judged, new_mission, open_example, saved
-from tests.web.planned import planned_mission
+from tests.web.planned import newly_planned, planned_mission
 
 from rota import check_plan, read_plan
 
@@ -102,15 +102,16 @@ def test_every_format_is_taken_or_says_what_it_lacks(planned: Any, faults: Any, 
 
 
 @pytest.mark.slow  # plans twice
-def test_plans_stand_side_by_side_and_jobs_run_again(planned: Any) -> None:
-    page = planned
+def test_plans_stand_side_by_side_and_jobs_run_again(new_page: Any, page_server: Any) -> None:
+    mission = newly_planned(page_server.url, "twice")  # jobs of other tests are listed, too
+    page = open_page(new_page, page_server, f"#mission={mission}&tab=plan")
     rows = page.locator("#plans tbody tr")
     page.get_by_text("Earlier jobs").click()
     # the newest job moves from the earlier ones to the first list when its plan is deleted: both are counted
     listed = page.locator("#jobs li, #earlier li")
-    expect(page.locator("#earlier").get_by_role("button", name="Run again: small").first).to_be_visible()
+    expect(page.locator("#earlier").get_by_role("button", name="Run again: twice").first).to_be_visible()
     plans, jobs = rows.count(), listed.count()
-    page.locator("#earlier").get_by_role("button", name="Run again: small").first.click()
+    page.locator("#earlier").get_by_role("button", name="Run again: twice").first.click()
     expect(rows).to_have_count(plans + 1, timeout=COMPILING_MS)
     rows.get_by_role("button", name="Delete").first.click()
     page.get_by_role("button", name="Keep").click()
@@ -119,7 +120,7 @@ def test_plans_stand_side_by_side_and_jobs_run_again(planned: Any) -> None:
     rows.get_by_role("button", name="Delete").first.click()
     page.locator("#confirm-yes").click()
     expect(rows).to_have_count(plans)
-    page.locator("#earlier").get_by_role("button", name="Delete: small").first.click()
+    page.locator("#earlier").get_by_role("button", name="Delete: twice").first.click()
     page.locator("#confirm-yes").click()
     expect(listed).to_have_count(jobs)
 
