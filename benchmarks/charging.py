@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import random
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -58,8 +58,8 @@ def charging(options: Options) -> Iterator[Row]:
     )
     yield checked_row(min((plan for plan in plans if len(plan) >= TEAM), key=len, default=max(plans, key=len)))
     yield from (motion_row(options, *each) for each in MOTIONS)
-    yield yards_row()
-    yield docks_row()
+    yield random_row("yards, robots with a limited jerk", [yard(seed) for seed in range(YARDS)])
+    yield random_row("missions with docks of one place", [docks(seed) for seed in range(DOCKS)])
     yield tiny_row()
 
 
@@ -79,17 +79,17 @@ def motion_row(options: Options, name: str, told: str, lines: str) -> Row:
     return Row(f"{name}, {told}", "met", measured, verdict == "met")
 
 
-def yards_row() -> Row:
-    """How many random yards have a plan for robots whose jerk is limited; some have batteries too small for any."""
+def random_row(name: str, missions: Sequence[Mission]) -> Row:
+    """How many random missions have a plan; for some there is none: batteries are too small, or places too few."""
     robots, began_s = list[int](), time.process_time()
-    for seed in range(YARDS):
+    for mission in missions:
         with suppress(NoPlanFound):
-            plan = make_plan(yard(seed))
+            plan = make_plan(mission)
             if check_plan(plan).verdict == "met":
                 robots.append(len(plan))
     cpu_s = time.process_time() - began_s
-    measured = f"{len(robots)} of {YARDS} met, {sum(robots)} robots; CPU {cpu_s:.0f} s"
-    return Row(f"{YARDS} random yards, robots with a limited jerk", "", measured, None)
+    measured = f"{len(robots)} of {len(missions)} met, {sum(robots)} robots; CPU {cpu_s:.0f} s"
+    return Row(f"{len(missions)} random {name}", "", measured, None)
 
 
 def yard(seed: int) -> Mission:
@@ -113,19 +113,6 @@ def yard(seed: int) -> Mission:
         name="yard", area=MultiPolygon([box(0, 0, wide_m, high_m)]), period_s=round(period_s), fleet=fleet,
         chargers=(Charger(name="pad", at=(wide_m / 2, 2), places=9),), planning=PatrolSettings(effort="quick"),
     )  # fmt: skip
-
-
-def docks_row() -> Row:
-    """How many random missions have a plan whose chargers have one place each; some have too few for any."""
-    robots, began_s = list[int](), time.process_time()
-    for seed in range(DOCKS):
-        with suppress(NoPlanFound):
-            plan = make_plan(docks(seed))
-            if check_plan(plan).verdict == "met":
-                robots.append(len(plan))
-    cpu_s = time.process_time() - began_s
-    measured = f"{len(robots)} of {DOCKS} met, {sum(robots)} robots; CPU {cpu_s:.0f} s"
-    return Row(f"{DOCKS} random missions with docks of one place", "", measured, None)
 
 
 def docks(seed: int) -> Mission:
