@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import math
+import threading
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -21,7 +23,7 @@ from rota.links.air_lead import LATER_S, AirLead, Drag, Gains
 from rota.links.flights import Flights
 from rota.links.link import Dock, Order, Report
 from rota.links.link_settings import make_link
-from rota.links.mavlink_targets import Target
+from rota.links.mavlink_targets import Target, TargetStream
 from rota.links.rounded_track import RoundedTrack
 from rota.links.sending import first_reports, routes_for, send_all, start_all
 from rota.model.battery_limits import BatteryLimits
@@ -153,6 +155,26 @@ def test_a_copter_on_its_charger_takes_off_when_it_is_to_leave_and_lands_when_it
         assert last.y > 1.0
         assert vehicles[0].flight.height_m == 0.0
         assert vehicles[0].flight.lon * 1e7 == pytest.approx(beside, abs=5)  # where it stood, not in the middle
+
+
+def test_a_robot_that_is_driven_no_more_gets_no_target_that_was_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    under_way, sent = threading.Event(), []
+
+    def step(_now_s: float) -> dict[str, float]:
+        under_way.set()
+        time.sleep(0.05)
+        return {}
+
+    monkeypatch.setattr("rota.links.mavlink_targets.send", lambda vehicle, _: sent.append(vehicle))
+    stream, target = TargetStream(), SimpleNamespace(vehicle="copter", step=step)
+    stream.give("a", target)  # type: ignore[arg-type]
+    assert under_way.wait(10)
+    assert stream.take("a") is target
+    before = list(sent)
+    time.sleep(0.3)
+    stream.end()
+    assert sent == before
+    assert "copter" in sent
 
 
 def test_what_a_copter_does_by_itself_and_lacks_is_told_from_its_parameters() -> None:

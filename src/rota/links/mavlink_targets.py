@@ -139,6 +139,7 @@ class TargetStream:
 
     def __init__(self) -> None:
         self._targets: dict[str, Target] = {}
+        self._sending = threading.Lock()  # a target sent after a robot was told of a place would call it off
         self._done = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -150,9 +151,10 @@ class TargetStream:
             self._thread.start()
 
     def take(self, robot: str) -> Target | None:
-        """Stop driving a robot; what it was driven by."""
-        found = self._targets.get(robot)
-        self._targets = {name: target for name, target in self._targets.items() if name != robot}
+        """Stop driving a robot; what it was driven by. Nothing is sent to it afterwards."""
+        with self._sending:
+            found = self._targets.get(robot)
+            self._targets = {name: target for name, target in self._targets.items() if name != robot}
         return found
 
     def target(self, robot: str) -> Target | None:
@@ -168,12 +170,18 @@ class TargetStream:
     def _run(self) -> None:
         next_s = time.monotonic()
         while not self._done.is_set():
-            for target in self._targets.values():
-                fields = target.step(time.monotonic())
-                if fields is not None:
-                    send(target.vehicle, fields)
+            for robot in tuple(self._targets):
+                with self._sending:
+                    self._drive(robot)
             next_s = max(next_s + EVERY_S, time.monotonic())
             self._done.wait(next_s - time.monotonic())
+
+    def _drive(self, robot: str) -> None:
+        """Send a robot its next target, unless it is driven no more."""
+        target = self._targets.get(robot)
+        fields = None if target is None else target.step(time.monotonic())
+        if target is not None and fields is not None:
+            send(target.vehicle, fields)
 
 
 def send(vehicle: MavlinkVehicle, fields: dict[str, float]) -> None:
