@@ -13,6 +13,7 @@ from tests.stand_in import standing_in
 
 import rota
 from rota import (
+    CheckpointError,
     DiscSensor,
     Fleet,
     Mission,
@@ -23,11 +24,13 @@ from rota import (
     PatrolSettings,
     Plan,
     Robot,
+    SwarmSettings,
     Trajectory,
     Zone,
     check_plan,
     make_plan,
     replan,
+    search_plan,
 )
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, Lane, StartBox
@@ -47,7 +50,11 @@ MISSIONS = {
     "radius": replace(
         YARD, zones=(), area=box(0, 0, 24, 16), fleet=replace(FLEET, sensor=DiscSensor(radius_m=6), turn_radius_m=1.0)
     ),
-}
+    "swarm": replace(
+        YARD, zones=(), period_s=None, planning=SwarmSettings(),
+        fleet=replace(FLEET, robots=6, body_radius_m=0.2, start=StartBox(low_m=(1, 1), high_m=(4, 4))),
+    ),
+}  # fmt: skip
 
 
 def apart_m(plan: Plan, far: Plan) -> float:
@@ -73,6 +80,32 @@ def test_robots_that_take_over_do_so_anywhere_alike() -> None:
     assert found[0].kept == found[1].kept
     driven = [each.plan.seam.driven for each in found if each.plan.seam]
     assert all(np.array_equal(a.positions_m + UTM_M, b.positions_m) for a, b in zip(*driven, strict=True))
+
+
+def test_a_swarm_stopped_far_away_goes_on_bit_for_bit_and_one_that_an_earlier_rota_stopped_begins_anew() -> None:
+    far = TO_UTM.here(MISSIONS["swarm"])
+    few = replace(far, planning=SwarmSettings(most_steps=9))
+    run = search_plan(few, seed=1).checkpoint
+    assert run is not None
+    assert run.mission == few
+    resumed, whole = search_plan(far, seed=1, resume=run).plan, make_plan(far, seed=1)
+    assert [one.positions_m.tolist() for one in resumed] == [one.positions_m.tolist() for one in whole]
+    earlier = replace(run, places_m=run.places_m + UTM_M, recent_m=run.recent_m + UTM_M)
+    with pytest.raises(CheckpointError, match="begin anew"):
+        search_plan(far, seed=1, resume=earlier)
+    with pytest.raises(CheckpointError, match="another mission: area differs"):
+        search_plan(replace(far, area=far.area.buffer(1)), seed=1, resume=run)
+
+
+def test_a_swarm_that_charges_keeps_its_speed_far_away() -> None:
+    swarm = MISSIONS["swarm"]
+    fleet = replace(
+        swarm.fleet, robots=5, speed_m_s=0.3, sensor=DiscSensor(radius_m=5),
+        battery=BatteryLimits(endurance_s=1200, recharge_s=300),
+    )  # fmt: skip
+    pad = Charger(name="pad", at=(33.37, 21.2), places=3)
+    near = replace(swarm, area=box(0, 0, 60, 50), fleet=fleet, chargers=(pad,))
+    assert check_plan(make_plan(TO_UTM.here(near), seed=0)).verdict == "met"
 
 
 def everywhere() -> Mission:

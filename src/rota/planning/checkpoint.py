@@ -21,6 +21,7 @@ class Checkpoint:
     (r, n, 2), the places since, which are not thinned yet. The last of these come in the order of the fleet, and so
     does past (h, 4, n): what messages may still tell, places and velocities. news_m (k,): how far it is to
     free ground from the places of the map that "settle" uses; none of other controllers, and before the first step.
+    Places of a mission far from the origin are those near it, see ``near_origin``.
     """
 
     mission: Mission

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 import shapely
 
-from rota.errors import MissionError, NoPlanFound
+from rota.errors import CheckpointError, MissionError, NoPlanFound
 from rota.model.fields import fields_of
 from rota.model.limits import LARGEST_M
 from rota.model.trajectory import Trajectory, forward_accelerations
+from rota.planning.checkpoint import Checkpoint
 from rota.planning.planner import Answer, Handover, Planner, Request
 
 if TYPE_CHECKING:
@@ -37,9 +38,16 @@ def plan_near_origin(planner: Planner, request: Request) -> Answer:
     if way is None:
         return planner.plan(request)
     judge = _Judge(way, request.judge)
+    near = replace(
+        request, mission=way.here(request.mission), judge=judge,
+        checkpoint=request.checkpoint and way.run_here(request.checkpoint),
+    )  # fmt: skip
     with way.correct_failures():
-        answer = planner.plan(replace(request, mission=way.here(request.mission), judge=judge))
-    return replace(answer, plan=judge.there(answer.plan), facts=tuple(map(way.tell, answer.facts)))
+        answer = planner.plan(near)
+    return replace(
+        answer, plan=judge.there(answer.plan), facts=tuple(map(way.tell, answer.facts)),
+        checkpoint=answer.checkpoint and way.run_there(answer.checkpoint),
+    )  # fmt: skip
 
 
 def takeovers_near_origin(planner: Planner, asked: Handover) -> Iterator[Plan]:
@@ -102,6 +110,21 @@ class _Way:
             value, _mover(more), lambda was, now: None, lambda each: known.get(id(each), (None, None))[1]
         )
 
+    def run_here(self, run: Checkpoint) -> Checkpoint:
+        """The stopped run with its mission near the origin, where its places are already: it goes on bit for bit."""
+        near = replace(run, mission=self.here(run.mission))
+        x0, y0, x1, y1 = near.mission.area.bounds
+        if np.abs(near.places_m[:, :2]).max(initial=0.0) > FAR * max(x1 - x0, y1 - y0):
+            raise CheckpointError(
+                "places_m: robots are far from the mission's area; runs of missions far from the origin, stopped by an"
+                " earlier Rota, begin anew"
+            )
+        return near
+
+    def run_there(self, run: Checkpoint) -> Checkpoint:
+        """The stopped run with its mission as it is."""
+        return replace(run, mission=self.there(run.mission))
+
     def tell(self, text: str) -> str:
         """A sentence of the planner's with the places as they are, to a centimetre."""
 
@@ -118,7 +141,8 @@ class _Way:
             yield
         except NoPlanFound as failure:
             raise NoPlanFound(
-                self.tell(str(failure)), best=failure.best and self.there(failure.best), checkpoint=failure.checkpoint,
+                self.tell(str(failure)), best=failure.best and self.there(failure.best),
+                checkpoint=self.run_there(failure.checkpoint) if isinstance(failure.checkpoint, Checkpoint) else None,
                 facts=tuple(map(self.tell, failure.facts)),
             ) from failure  # fmt: skip
         except MissionError as failure:

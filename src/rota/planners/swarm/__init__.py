@@ -19,6 +19,7 @@ class SwarmPlanner(Planner):
     """The door of the planner swarm; the compiled loops are loaded only when they are needed."""
 
     settings = SwarmSettings
+    plans_near_origin = True
 
     def plan(self, request: Request) -> Answer:
         """A plan in which the mission's robots spread and then hold; see ``planner.run_mission``.
