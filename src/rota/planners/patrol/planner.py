@@ -22,6 +22,7 @@ from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
+from rota.planners.patrol.handover.charging.flights_from_starts import lead_to_flights
 from rota.planners.patrol.kinds.groups import differs
 from rota.planners.patrol.kinds.plan_with_kinds import plan_with_kinds
 from rota.planners.patrol.margins import with_reserve, without_starts
@@ -68,8 +69,11 @@ def plan_alike(request: Request, *, shortens: bool = True, turns_s: Floats | Non
     """
     mission, judge = request.mission, request.judge
     if mission.chargers:
+        anywhere = replace(request, mission=without_starts(mission))
         try:
-            charging = plan_that_charges(request, partial(plan_alike, shortens=shortens), turns_s)
+            charging = plan_that_charges(anywhere, partial(plan_alike, shortens=shortens), turns_s)
+            if mission.has_starts:
+                charging = lead_to_flights(charging, with_reserve(mission), judge)
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=answer_for(failure.best, mission)) from failure
         return with_full_reach(charging, mission, judge)

@@ -24,6 +24,7 @@ from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 
 PAUSES = 50  # between robots that pass each other beside a post, each by a tenth longer, that are tried
 MOST_LOOKED_AT = 24  # places of a round, the nearest to a charger, while a battery lasts for whole rounds from there
+LANDED_S = 1.0  # on a charger between two flights, of who need not turn back there
 
 
 class Motion(NamedTuple):
@@ -83,6 +84,11 @@ class Ways:
     def turns_back_s(self) -> float:
         """How long a robot takes to turn back where it stands."""
         return math.pi / (self._robot.turn_rate_rad_s or math.inf)
+
+    @property
+    def pause_s(self) -> float:
+        """How long it stays on a charger between two flights at least: it turns there, or takes off anew on an arc."""
+        return self.turns_back_s or LANDED_S
 
     def straight_s(self, chargers_m: Floats, places_m: Floats) -> Floats:
         """How long the shortest ways take (c, k) from chargers (c, 2) to places (k, 2) at full speed all the way."""

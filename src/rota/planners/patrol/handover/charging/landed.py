@@ -133,9 +133,10 @@ class Landed:
         return one.lands.duration_s + (one.lands_s if one.lands.stays else one.robot.battery.landing_s)
 
     def _leaves_s(self, one: Flyer) -> float:
-        """When it can leave its own charger at the earliest."""
-        stands = one.lands is None or one.lands.stays
-        return self._ready_s(one) + (one.climbs_s if stands else one.robot.battery.climbing_s)
+        """When it can leave its own charger at the earliest: it has landed, climbed, and turned on it."""
+        if one.lands is None or one.lands.stays:
+            return self._ready_s(one) + one.climbs_s
+        return max(self._ready_s(one) + one.robot.battery.climbing_s, one.lands.duration_s + self._ways.pause_s)
 
     def _first_landed(self, one: Flyer, moments_s: Floats, asked: _Moments, spare_s: float) -> Arrival:
         """The first moment at which the round is on a charger on which the robot is: its own, if any is."""

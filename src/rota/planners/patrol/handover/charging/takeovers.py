@@ -41,12 +41,11 @@ def takeovers_with_chargers(asked: Handover) -> Iterator[Plan]:
         lines = tuple(asked.going_on[robot.name] for robot in asked.mission.fleet.robots or ())
         yield Plan(mission=asked.mission, seed=asked.seed, seam=asked.seam, trajectories=lines)
     takeover = _Takeover(asked)
-    timetables = takeover.timetables()
-    if timetables is None:
+    if not takeover.is_possible():
         return
     for spare in (True, False):
         found = False
-        for rounds in takeover.rounds(timetables):
+        for rounds in takeover.rounds():
             for plan in takeover.plans(rounds, spare=spare):
                 found = True
                 yield plan
@@ -102,7 +101,7 @@ class _Takeover:
         assert one.lands is not None, f"{one.robot.name} lands nowhere"
         assert one.charger is not None, f"{one.robot.name} lands nowhere"
         battery, found, begins_s = one.robot.battery, list[Transfer](), one.lands.duration_s
-        grounding_s = one.lands_s + one.climbs_s if begins_s == 0 else battery.grounding_s
+        grounding_s = one.lands_s + one.climbs_s if begins_s == 0 else max(battery.grounding_s, self._ways.pause_s)
         for other in self._mission.chargers:
             way = None if other is one.charger else self._way_between(one.charger, other)
             if way is None:
@@ -162,20 +161,24 @@ class _Takeover:
         here = np.array(self._asked.places[name])
         return next((one for one in chargers.values() if np.hypot(*(here - one.at)) <= TOUCH_M), None)
 
-    def timetables(self) -> list[Timetable] | None:
-        """The timetables of the plan before; None where not every robot that remains can fly its flights now."""
+    def is_possible(self) -> bool:
+        """Whether every robot that remains can fly the flights of the plan before now."""
         if len({(one.robot.battery, one.robot.ground_speed_m_s, one.robot.sensor) for one in self._flyers}) > 1:
-            return None
+            return False
         if any(one.lands is None and not one.robot.turns_at_once for one in self._flyers):
-            return None  # one that never charges, or has no way to a charger
+            return False  # one that never charges, or has no way to a charger
         ground, body_m = free_ground(self._mission), self._robot.body_radius_m
-        if not all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops):
-            return None
-        return timetables_of(self._asked.loops, self._robot, self._mission.chargers)
+        return all(is_clear(line.positions_m[line.loop_index :, :2], ground, body_m) for line in self._asked.loops)
 
-    def rounds(self, timetables: Sequence[Timetable]) -> Iterator[list[Round]]:
-        """Rounds for so many robots as remain: those of the timetables, or of some with longer turns."""
-        robots = len(self._flyers)
+    def rounds(self) -> Iterator[list[Round]]:
+        """Rounds for so many robots as remain: as they were, those of the timetables, or of some with longer turns."""
+        robots, loops = len(self._flyers), self._asked.loops
+        if robots >= len(loops) and all(line.charges for line in loops):
+            each = [Round(way=line, robots=1, turn_s=line.loop_duration_s) for line in loops]
+            yield each + self._stays(robots - len(loops), [each])
+        timetables = timetables_of(loops, self._robot, self._mission.chargers)
+        if timetables is None:
+            return
         flown = [self._rounds_of(one) for one in timetables]
         counts = [sum(round_.robots for round_ in own) for own in flown]
         spare = robots - sum(counts)
@@ -193,7 +196,7 @@ class _Takeover:
     def _rounds_of(self, timetable: Timetable) -> list[Round]:
         """The rounds that the fewest robots fly by a timetable."""
         places = {charger.name: np.array(charger.at) for charger in self._mission.chargers}
-        return [round_of(own, timetable.turn_s, places[own[0][0].charger]) for own in circulations(timetable)]
+        return [round_of(own, timetable.turn_s, places[own[0][0].from_charger]) for own in circulations(timetable)]
 
     def _fit(self, timetable: Timetable, robots: int) -> list[Round] | None:
         """The rounds of the same flights in the shortest turns in which so many robots fly them."""

@@ -34,11 +34,12 @@ FAR = 1e9  # seconds: what a flight from another charger, or a round that a robo
 class RegularFlight:
     """A flight that begins again after every turn, at ``begins_s`` of it.
 
-    line: from time 0 on, from ``charger`` and back to it. stays_s: how long its robot then lands, charges for what it
-    took, and climbs.
+    line: from time 0 on, from ``from_charger`` to ``charger``. stays_s: how long its robot then lands, charges for what
+    it took, and climbs.
     """
 
     line: TimedLine
+    from_charger: str
     charger: str
     begins_s: float
     stays_s: float
@@ -85,8 +86,6 @@ def timetables_of(loops: Sequence[Trajectory], robot: Robot, chargers: Sequence[
     found: list[tuple[float, list[RegularFlight], int]] = []  # seconds of a round, the flights in it, robots
     for line in flown:
         flights = _regular_flights(line, robot, chargers)
-        if flights is None:
-            return None
         for k, (round_s, others, count) in enumerate(found):
             if abs(round_s - line.loop_duration_s) <= SAME_ROUND * round_s:
                 found[k] = round_s, others + flights, count + 1
@@ -122,27 +121,31 @@ def _shortest(timetable: Timetable, robots: int) -> Timetable:
 def _is_alike(one: RegularFlight, other: RegularFlight) -> bool:
     """Whether two flights differ in nothing but when they begin."""
     lasts_s = one.line.duration_s
-    if one.charger != other.charger or abs(lasts_s - other.line.duration_s) > MISSED_S:
+    chargers = [(flight.from_charger, flight.charger) for flight in (one, other)]
+    if chargers[0] != chargers[1] or abs(lasts_s - other.line.duration_s) > MISSED_S:
         return False
     moments_s = np.linspace(0, lasts_s, COMPARED)
     return bool(np.abs(one.line.at(moments_s) - other.line.at(moments_s)).max() <= SAME_M)
 
 
-def _regular_flights(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[RegularFlight] | None:
-    """The flights of a robot's loop; None where one ends at another charger than it begins at."""
+def _regular_flights(line: Trajectory, robot: Robot, chargers: Sequence[Charger]) -> list[RegularFlight]:
+    """The flights of a robot's loop."""
     flights = []
     for flight in flights_of(line, accelerated=True):
         if flight.every_s == 0:
             continue
-        if flight.from_charger != flight.charger:
-            return None
+        assert flight.from_charger is not None, "one that comes again begins on a charger"
         charger = next(one for one in chargers if one.name == flight.charger)
         own = steady(flight.times_s, flight.positions_m[:, :2])
         if (changes := flight.accelerations_m_s2) is not None:
             own = own._replace(accelerations_m_s2=changes)
         begins_s = flight.starts_s % line.loop_duration_s
         stays_s = stay_s(own, robot, charger)
-        flights.append(RegularFlight(line=own, charger=flight.charger, begins_s=begins_s, stays_s=stays_s))
+        flights.append(
+            RegularFlight(
+                line=own, from_charger=flight.from_charger, charger=flight.charger, begins_s=begins_s, stays_s=stays_s
+            )
+        )
     return flights
 
 
@@ -164,7 +167,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
     ready_s = np.array([flight.begins_s + flight.line.duration_s + flight.stays_s for flight in flights])
     waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
     waits_s[waits_s > turn_s - MISSED_S] = 0.0
-    same = np.array([[one.charger == other.charger for other in flights] for one in flights])
+    same = np.array([[one.charger == other.from_charger for other in flights] for one in flights])
     _, after = linear_sum_assignment(np.where(same, waits_s, FAR))
     rounds, left = [], set(range(len(flights)))
     while left:
@@ -179,7 +182,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
 
 
 def round_of(flown: Sequence[tuple[RegularFlight, float]], turn_s: float, charger_m: Floats) -> Round:
-    """One of these rounds as what its robots fly."""
+    """One of these rounds as what its robots fly. charger_m: where the first of its flights begins."""
     times, places, charges, now_s = [], [], [], 0.0
     changes = np.concatenate([np.append(flight.line.accelerations_m_s2, 0.0) for flight, _ in flown])  # 0: charging
     for flight, stays_s in flown:

@@ -1,0 +1,122 @@
+"""Robots that charge, led from their starts into a plan's flights, as new robots come into a plan that takes over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from rota.errors import NoPlanFound
+from rota.model.mission import Mission, Robot
+from rota.model.plan import Plan, Trajectory
+from rota.model.seam import Seam
+from rota.planners.patrol.driving.timed_line import round_of
+from rota.planners.patrol.handover.charging.flyers import fills_s
+from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
+from rota.planners.patrol.relief.ways import LANDED_S
+from rota.planners.patrol.tolerances import SHORTEST_S
+from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
+from rota.planners.patrol.traffic.starts.from_starts import entry_choices, starts_of, travel_times_s
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+from rota.planners.patrol.verdict import Judge, worst_reached
+from rota.planning.planner import Handover
+
+TRIED = 12  # plans that are judged, each also with robots that wait at their starts
+
+
+def lead_to_flights(plan: Plan, mission: Mission, judge: Judge) -> Plan:
+    """The plan's flights, reached from the mission's starts with full batteries; its mission becomes ``mission``.
+
+    Who has no start of its own stands on a charger. Of the plans that the judge passes it is the one in which the last
+    robot is on its round soonest. Raises NoPlanFound where there are too few starts, or robots reach neither flights
+    nor chargers, with the plan as it was; and where none passes, with the one judged last.
+    """
+    bare = replace(plan, mission=mission)
+    found = sorted(islice(_plans_from_starts(bare, mission), TRIED), key=_last_joins_s)
+    if not found:
+        raise NoPlanFound("from their starts the robots reach neither their flights nor a charger in time", best=bare)
+    for led in found:
+        for tried in (led, _waiting_at_starts(led)):
+            if judge(tried).verdict == "met":
+                return tried
+    raise NoPlanFound(
+        f"with the ways from the starts the plan does not pass the check: {worst_reached(judge(found[0]))}",
+        best=found[0],
+    )
+
+
+def _plans_from_starts(plan: Plan, mission: Mission) -> Iterator[Plan]:
+    """Plans whose robots come from their starts."""
+    robots = _robots_at_starts(plan, mission)
+    placed = {robot.name: robot.start for robot in robots if robot.start is not None}
+    asked = Handover(
+        mission=replace(mission, fleet=replace(mission.fleet, robots=tuple(robots), start=None)),
+        places=placed, seam=Seam(at_s=0.0, driven=()), seed=plan.seed, going_on={}, loops=plan.trajectories,
+        lateness=_last_joins_s, most=TRIED, batteries=dict.fromkeys(placed, 1.0),
+    )  # fmt: skip
+    for found in takeovers_with_chargers(asked):
+        yield replace(plan, trajectories=found.trajectories)
+
+
+def _last_joins_s(plan: Plan) -> tuple[float, ...]:
+    """When the last robot is on its round."""
+    return (max(one.loop_start_s for one in plan),)
+
+
+def _robots_at_starts(plan: Plan, mission: Mission) -> list[Robot]:
+    """A robot for each trajectory, by its name or the fleet's, at its start; of more starts those sooner there."""
+    rounds = [round_of(trajectory) for trajectory in plan]
+    paths = PathsByBody(mission)
+    starts = starts_of(mission, rounds, paths, plan)
+    pads = [np.array(charger.at) for charger in mission.chargers for _ in range(charger.places)]
+    places_m = [pads[k % len(pads)] if place is None else place for k, place in enumerate(starts.places_m)]
+    which = list(range(len(starts.robots)))
+    if len(starts.robots) > len(rounds):
+        nearest = earliest_assignment(travel_times_s(starts, entry_choices(rounds, starts), paths)[0])
+        if nearest is None:
+            raise NoPlanFound("from their starts the robots cannot reach their flights", best=plan)
+        which = sorted(nearest.tolist())
+    named = mission.fleet.robots is not None
+    names = [starts.robots[k].name if named else one.robot for k, one in zip(which, plan, strict=True)]
+    return [
+        replace(starts.robots[k], name=name, start=(float(places_m[k][0]), float(places_m[k][1])))
+        for k, name in zip(which, names, strict=True)
+    ]
+
+
+def _waiting_at_starts(plan: Plan) -> Plan:
+    """The plan whose robots come to a charger from their starts only when they have to: others need its places."""
+    robots = {robot.name: robot for robot in plan.mission.fleet.robots or ()}
+    return replace(
+        plan,
+        trajectories=tuple(
+            _waiting(one, robots.get(one.robot) or plan.mission.fleet.equal_robot(one.robot), plan.mission)
+            for one in plan
+        ),
+    )
+
+
+def _waiting(way: Trajectory, robot: Robot, mission: Mission) -> Trajectory:
+    """A robot's way with as long a wait at its start as its first stay on a charger has time to spare."""
+    first, battery = next(iter(way.charges), None), robot.battery
+    if first is None or not SHORTEST_S < first.from_s < way.loop_start_s or not battery.can_stand:
+        return way
+    charger = next(one for one in mission.chargers if one.name == first.charger)
+    turn_s = math.pi / robot.turn_rate_rad_s if robot.turn_rate_rad_s else LANDED_S
+    needs_s = max(battery.grounding_s, turn_s) + fills_s(robot, charger, first.from_s * max(1.0, battery.standing_uses))
+    # while it waits it may take from its battery, which is charged again
+    each_s = 1 + (0.0 if charger.swap_s is not None else fills_s(robot, charger, battery.standing_uses))
+    waits_s = (first.until_s - first.from_s - needs_s) / each_s
+    if waits_s <= SHORTEST_S:
+        return way
+    arrives = int(np.searchsorted(way.times_s, first.from_s))
+    times_s = np.concatenate([[0.0], way.times_s[: arrives + 1] + waits_s, way.times_s[arrives + 1 :]])
+    changes = way.accelerations_m_s2
+    return replace(
+        way, times_s=times_s, positions_m=np.vstack([way.positions_m[:1], way.positions_m]),
+        accelerations_m_s2=None if changes is None else np.append(0.0, changes),
+        charges=(replace(first, from_s=first.from_s + waits_s), *way.charges[1:]),
+    )  # fmt: skip
