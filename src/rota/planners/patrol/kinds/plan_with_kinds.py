@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import NoPlanFound
+from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
@@ -21,31 +22,38 @@ from rota.planners.patrol.kinds.cheapest import plan_cheapest
 from rota.planners.patrol.kinds.division import load_of
 from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.kinds.parts import Search
+from rota.planners.patrol.kinds.starts import lead_groups
 from rota.planners.patrol.kinds.team import Team
+from rota.planners.patrol.margins import without_starts
 from rota.planning.planner import Request
 
 
 def plan_with_kinds(request: Request, search: Search) -> Plan:
     """A plan for a fleet whose robots are not alike. search: plans for a mission whose robots are taken to be.
 
-    Raises NoPlanFound where no division of the ground that was tried meets the demand, with the best plan there is.
+    Robots with bodies come to ground of their own from starts anywhere. Raises NoPlanFound where no division of the
+    ground that was tried meets the demand, with the best plan there is, and where the starts are too near or too far.
     """
-    team = Team(request, search)
-    return plan_cheapest(team) if request.mission.fleet.kinds else plan_listed(team, search)
+    mission = request.mission
+    leads = mission.has_starts and any(robot.body_radius_m > 0 for robot in mission.fleet.unlike_robots)
+    team = Team(replace(request, mission=without_starts(mission)) if leads else request, search)
+    plan = plan_cheapest(team) if mission.fleet.kinds else plan_listed(team, search, mission)
+    return lead_groups(plan, mission, request.judge) if plan.mission is not mission else plan
 
 
-def plan_listed(team: Team, search: Search) -> Plan:
+def plan_listed(team: Team, search: Search, mission: Mission) -> Plan:
     """A plan for exactly the robots of the fleet: as if each were the weakest where that may do, else as what they are.
 
-    search: plans for robots taken to be alike. Where a division of the ground fails, groups that missed their periods
-    get less of it in the next one. Raises NoPlanFound where none meets the demand, with the best plan there is.
+    search: plans for robots taken to be alike. mission: with the robots' starts, which the first of these heeds. Where
+    a division of the ground fails, groups that missed their periods get less of it in the next one. Raises NoPlanFound
+    where none meets the demand, with the best plan there is.
     """
     for region in team.regions:
         if not any(group.serves(region) for group in team.groups):
             raise NoPlanFound(f"zone {region.name}: no robot has a sensor that counts: {', '.join(region.sensors)}")
     if _may_do_as_weakest(team):
         try:
-            return search(team.mission, in_full=True)
+            return search(mission, in_full=True)
         except NoPlanFound:
             pass
     counts = np.array([len(group.robots) for group in team.groups], dtype=np.float64)

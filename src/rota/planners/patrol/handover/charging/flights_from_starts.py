@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
+from itertools import cycle, islice
 
 import numpy as np
 
 from rota.errors import NoPlanFound
-from rota.model.mission import Mission, Robot
+from rota.model.mission import Mission, Robot, StartPoints
 from rota.model.plan import Plan, Trajectory
 from rota.model.seam import Seam
 from rota.planners.patrol.driving.timed_line import round_of
@@ -27,12 +27,12 @@ from rota.planning.planner import Handover
 TRIED = 12  # plans that are judged, each also with robots that wait at their starts
 
 
-def lead_to_flights(plan: Plan, mission: Mission, judge: Judge) -> Plan:
+def lead_to_flights(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     """The plan's flights, reached from the mission's starts with full batteries; its mission becomes ``mission``.
 
-    Who has no start of its own stands on a charger. Of the plans that the judge passes it is the one in which the last
-    robot is on its round soonest. Raises NoPlanFound where there are too few starts, or robots reach neither flights
-    nor chargers, with the plan as it was; and where none passes, with the one judged last.
+    Who has no start of its own stands on a charger. Of the plans that the judge passes (None: whatever becomes of them)
+    it is the one in which the last robot is on its round soonest. Raises NoPlanFound where there are too few starts, or
+    robots reach neither flights nor chargers, with the plan as it was; and where none passes, with the one judged last.
     """
     bare = replace(plan, mission=mission)
     found = sorted(islice(_plans_from_starts(bare, mission), TRIED), key=_last_joins_s)
@@ -40,8 +40,9 @@ def lead_to_flights(plan: Plan, mission: Mission, judge: Judge) -> Plan:
         raise NoPlanFound("from their starts the robots reach neither their flights nor a charger in time", best=bare)
     for led in found:
         for tried in (led, _waiting_at_starts(led)):
-            if judge(tried).verdict == "met":
+            if judge is None or judge(tried).verdict == "met":
                 return tried
+    assert judge is not None, "it would have passed"
     raise NoPlanFound(
         f"with the ways from the starts the plan does not pass the check: {worst_reached(judge(found[0]))}",
         best=found[0],
@@ -50,7 +51,7 @@ def lead_to_flights(plan: Plan, mission: Mission, judge: Judge) -> Plan:
 
 def _plans_from_starts(plan: Plan, mission: Mission) -> Iterator[Plan]:
     """Plans whose robots come from their starts."""
-    robots = _robots_at_starts(plan, mission)
+    robots = robots_at_starts(plan, mission)
     placed = {robot.name: robot.start for robot in robots if robot.start is not None}
     asked = Handover(
         mission=replace(mission, fleet=replace(mission.fleet, robots=tuple(robots), start=None)),
@@ -66,24 +67,22 @@ def _last_joins_s(plan: Plan) -> tuple[float, ...]:
     return (max(one.loop_start_s for one in plan),)
 
 
-def _robots_at_starts(plan: Plan, mission: Mission) -> list[Robot]:
+def robots_at_starts(plan: Plan, mission: Mission) -> list[Robot]:
     """A robot for each trajectory, by its name or the fleet's, at its start; of more starts those sooner there."""
     rounds = [round_of(trajectory) for trajectory in plan]
     paths = PathsByBody(mission)
     starts = starts_of(mission, rounds, paths, plan)
-    pads = [np.array(charger.at) for charger in mission.chargers for _ in range(charger.places)]
-    places_m = [pads[k % len(pads)] if place is None else place for k, place in enumerate(starts.places_m)]
-    which = list(range(len(starts.robots)))
-    if len(starts.robots) > len(rounds):
+    robots, places_m = starts.robots, starts.places_m
+    if isinstance(mission.fleet.start, StartPoints):
         nearest = earliest_assignment(travel_times_s(starts, entry_choices(rounds, starts), paths)[0])
         if nearest is None:
-            raise NoPlanFound("from their starts the robots cannot reach their flights", best=plan)
-        which = sorted(nearest.tolist())
-    named = mission.fleet.robots is not None
-    names = [starts.robots[k].name if named else one.robot for k, one in zip(which, plan, strict=True)]
+            raise NoPlanFound("from their starts the robots cannot reach their routes", best=plan)
+        robots = [mission.fleet.robot(one.robot) for one in plan]
+        places_m = [places_m[k] for k in nearest]
+    pads = cycle([charger.at for charger in mission.chargers for _ in range(charger.places)] or [None])
     return [
-        replace(starts.robots[k], name=name, start=(float(places_m[k][0]), float(places_m[k][1])))
-        for k, name in zip(which, names, strict=True)
+        replace(robot, start=next(pads) if place is None else (float(place[0]), float(place[1])))
+        for robot, place in zip(robots, places_m, strict=True)
     ]
 
 
