@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from rota.planners.patrol.handover.charging.flights_from_starts import lead_to_f
 from rota.planners.patrol.kinds.groups import Group, groups_of
 from rota.planners.patrol.margins import without_starts
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
+from rota.planners.patrol.traffic.starts.one_by_one import set_out_in_turn
 from rota.planners.patrol.verdict import Judge, worst_reached
 from rota.routes.moments import delay
 
@@ -54,19 +56,24 @@ def _lead_alone(plan: Plan, group: Group) -> tuple[Trajectory, ...]:
     return lead(Plan(mission=without_starts(alone), trajectories=own, seed=plan.seed), alone, None).trajectories
 
 
-def _orders(ways: Ways, robots: dict[str, Robot]) -> Iterator[Ways]:
-    """All groups set out at once, or each when those before it are on their routes.
+def _orders(ways: Ways, robots: Mapping[str, Robot]) -> Iterator[Ways]:
+    """All groups set out at once, or each as soon as bodies stay apart.
 
     Robots that only stay somewhere may have nothing to do, and stay at their starts at first.
     """
     at_starts = [[_stay_at_start(one, robots[one.robot]) for one in own] for own in ways]
+    bodies_m = {name: robot.body_radius_m for name, robot in robots.items()}
+    slowest_m_s = min(robot.ground_speed_m_s for robot in robots.values())
     for each in (at_starts, ways):
         yield each
-        later_s, in_turn = 0.0, []
-        for own in each:
-            in_turn.append([delay(one, later_s) for one in own])
-            later_s = max([later_s, *(one.loop_start_s for one in in_turn[-1])])
-        yield in_turn
+        units = [partial(_delay_all, own) for own in each]
+        if in_turn := set_out_in_turn(units, bodies_m, 4 * max(bodies_m.values()) / slowest_m_s):
+            yield [in_turn]
+
+
+def _delay_all(ways: Sequence[Trajectory], by_s: float) -> list[Trajectory]:
+    """What a group drives, so much later."""
+    return [delay(one, by_s) for one in ways]
 
 
 def _stay_at_start(way: Trajectory, robot: Robot) -> Trajectory:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import cycle, islice
+from functools import partial
+from itertools import chain, cycle, islice
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission, Robot, StartPoints
@@ -20,9 +22,11 @@ from rota.planners.patrol.relief.ways import LANDED_S
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planners.patrol.traffic.starts.from_starts import entry_choices, starts_of, travel_times_s
+from rota.planners.patrol.traffic.starts.one_by_one import set_out_in_turn
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, worst_reached
 from rota.planning.planner import Handover
+from rota.routes.moments import delay, go_on
 
 TRIED = 12  # plans that are judged, each also with robots that wait at their starts
 
@@ -34,32 +38,66 @@ def lead_to_flights(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     it is the one in which the last robot is on its round soonest. Raises NoPlanFound where there are too few starts, or
     robots reach neither flights nor chargers, with the plan as it was; and where none passes, with the one judged last.
     """
-    bare = replace(plan, mission=mission)
-    found = sorted(islice(_plans_from_starts(bare, mission), TRIED), key=_last_joins_s)
+    bare, robots = replace(plan, mission=mission), robots_at_starts(plan, mission)
+    found = sorted(islice(_set_out_at_once(bare, robots), TRIED), key=_last_joins_s)
     if not found:
         raise NoPlanFound("from their starts the robots reach neither their flights nor a charger in time", best=bare)
-    for led in found:
-        for tried in (led, _waiting_at_starts(led)):
-            if judge is None or judge(tried).verdict == "met":
-                return tried
-    assert judge is not None, "it would have passed"
+    at_once = (each for led in found for each in (led, _waiting_at_starts(led)))
+    in_turn = _set_out_in_turn(bare, robots)
+    for led in chain(in_turn, at_once) if judge is None else chain(at_once, in_turn):
+        if judge is None or judge(led).verdict == "met":
+            return led
+    assert judge is not None, "one would have been taken"
     raise NoPlanFound(
         f"with the ways from the starts the plan does not pass the check: {worst_reached(judge(found[0]))}",
         best=found[0],
     )
 
 
-def _plans_from_starts(plan: Plan, mission: Mission) -> Iterator[Plan]:
-    """Plans whose robots come from their starts."""
-    robots = robots_at_starts(plan, mission)
-    placed = {robot.name: robot.start for robot in robots if robot.start is not None}
-    asked = Handover(
-        mission=replace(mission, fleet=replace(mission.fleet, robots=tuple(robots), start=None)),
-        places=placed, seam=Seam(at_s=0.0, driven=()), seed=plan.seed, going_on={}, loops=plan.trajectories,
-        lateness=_last_joins_s, most=TRIED, batteries=dict.fromkeys(placed, 1.0),
-    )  # fmt: skip
-    for found in takeovers_with_chargers(asked):
+def _set_out_at_once(plan: Plan, robots: Sequence[Robot]) -> Iterator[Plan]:
+    """Plans whose robots come from their starts as soon as each can."""
+    for found in takeovers_with_chargers(_handover(plan, robots, plan.trajectories, 1.0)):
         yield replace(plan, trajectories=found.trajectories)
+
+
+def _set_out_in_turn(plan: Plan, robots: Sequence[Robot]) -> Iterator[Plan]:
+    """The plan whose robots wait at their starts while bodies would touch; each has the round that begins nearest."""
+    bodies_m = {robot.name: robot.body_radius_m for robot in robots}
+    if not any(bodies_m.values()) or len(robots) != len(plan):
+        return
+    begins_m, starts_m = (
+        np.array([one.at(0.0)[:2] for one in plan]), np.array([robot.start or (0.0, 0.0) for robot in robots])
+    )  # fmt: skip
+    away_m = np.hypot(*(starts_m[:, None] - begins_m[None]).transpose(2, 0, 1))
+    units = [
+        partial(_alone, plan, robots[k], plan.trajectories[i])
+        for k, i in zip(*linear_sum_assignment(away_m), strict=True)
+    ]
+    slowest_m_s = min(robot.ground_speed_m_s for robot in robots)
+    ways = {one.robot: one for one in set_out_in_turn(units, bodies_m, 4 * max(bodies_m.values()) / slowest_m_s)}
+    if ways:
+        yield replace(plan, trajectories=tuple(ways[robot.name] for robot in robots))
+
+
+def _alone(plan: Plan, robot: Robot, loop: Trajectory, later_s: float) -> list[Trajectory]:
+    """What one robot drives that waits at its start for so long and then comes into a loop; nothing: it cannot."""
+    battery = robot.battery
+    level = 1.0 - later_s * battery.standing_uses / (battery.endurance_s or math.inf)
+    if level <= 0 or (later_s > 0 and not battery.can_stand):
+        return []
+    asked = _handover(plan, [robot], (go_on(loop, later_s),), level)
+    found = next(takeovers_with_chargers(asked), None)
+    return [] if found is None else [replace(delay(found.trajectories[0], later_s), battery=1.0)]
+
+
+def _handover(plan: Plan, robots: Sequence[Robot], loops: tuple[Trajectory, ...], battery: float) -> Handover:
+    """Robots that stand at their starts come into loops whose clocks are at 0."""
+    fleet = replace(plan.mission.fleet, robots=tuple(robots), start=None)
+    placed = {robot.name: robot.start for robot in robots if robot.start is not None}
+    return Handover(
+        mission=replace(plan.mission, fleet=fleet), places=placed, seam=Seam(at_s=0.0, driven=()), seed=plan.seed,
+        going_on={}, loops=loops, lateness=_last_joins_s, most=TRIED, batteries=dict.fromkeys(placed, battery),
+    )  # fmt: skip
 
 
 def _last_joins_s(plan: Plan) -> tuple[float, ...]:
