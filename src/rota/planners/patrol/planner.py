@@ -68,6 +68,7 @@ def plan_alike(request: Request, *, shortens: bool = True, turns_s: Floats | Non
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     mission, judge = request.mission, request.judge
+    require_room(mission)
     if mission.chargers:
         anywhere = replace(request, mission=without_starts(mission))
         try:
@@ -81,7 +82,6 @@ def plan_alike(request: Request, *, shortens: bool = True, turns_s: Floats | Non
         return plan_on_lanes(request)
     tight = with_reserve(mission)
     require_ways_in(mission)
-    require_room(mission)
     require_corners_in_reach(mission)
     searched = without_starts(tight)
     leads: Judge = judge if searched is tight else LeadingJudge(searched, tight, judge)

@@ -38,7 +38,7 @@ def plan_with_kinds(request: Request, search: Search) -> Plan:
     leads = mission.has_starts and any(robot.body_radius_m > 0 for robot in mission.fleet.unlike_robots)
     team = Team(replace(request, mission=without_starts(mission)) if leads else request, search)
     plan = plan_cheapest(team) if mission.fleet.kinds else plan_listed(team, search, mission)
-    return lead_groups(plan, mission, request.judge) if plan.mission is not mission else plan
+    return lead_groups(plan, mission, request.judge) if leads and not plan.mission.has_starts else plan
 
 
 def plan_listed(team: Team, search: Search, mission: Mission) -> Plan:

@@ -36,7 +36,7 @@ def lead_to_flights(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
 
     Who has no start of its own stands on a charger. Of the plans that the judge passes (None: whatever becomes of them)
     it is the one in which the last robot is on its round soonest. Raises NoPlanFound where there are too few starts, or
-    robots reach neither flights nor chargers, with the plan as it was; and where none passes, with the one judged last.
+    robots reach neither flights nor chargers, with the plan as it was; and where none passes, with the first of them.
     """
     bare, robots = replace(plan, mission=mission), robots_at_starts(plan, mission)
     found = sorted(islice(_set_out_at_once(bare, robots), TRIED), key=_last_joins_s)
@@ -126,14 +126,9 @@ def robots_at_starts(plan: Plan, mission: Mission) -> list[Robot]:
 
 def _waiting_at_starts(plan: Plan) -> Plan:
     """The plan whose robots come to a charger from their starts only when they have to: others need its places."""
-    robots = {robot.name: robot for robot in plan.mission.fleet.robots or ()}
-    return replace(
-        plan,
-        trajectories=tuple(
-            _waiting(one, robots.get(one.robot) or plan.mission.fleet.equal_robot(one.robot), plan.mission)
-            for one in plan
-        ),
-    )
+    mission = plan.mission
+    waiting = tuple(_waiting(one, mission.fleet.robot(one.robot), mission) for one in plan)
+    return replace(plan, trajectories=waiting)
 
 
 def _waiting(way: Trajectory, robot: Robot, mission: Mission) -> Trajectory:

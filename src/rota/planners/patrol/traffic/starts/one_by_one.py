@@ -16,29 +16,27 @@ Unit = Callable[[float], Sequence[Trajectory]]  # what robots drive who set out 
 
 
 def set_out_in_turn(units: Sequence[Unit], bodies_m: Mapping[str, float], step_s: float) -> list[Trajectory]:
-    """What the robots of all units drive; empty where some unit finds no time to set out, in whatever order is tried.
+    """What the robots of all units drive; empty where some unit finds no time to set out.
 
-    Those who are on their rounds soonest go first, or last, or those who stand farthest out. Who is not yet under way
-    stands at its start. bodies_m: radii by robot. step_s: by how much longer each waits.
+    Those who stand farthest ahead, where all of them go, set out first. Who is not yet under way stands at its start.
+    bodies_m: radii by robot. step_s: by how much longer each waits.
     """
     begun = [unit(0.0) for unit in units]
     if not all(begun):
         return []
-    joins_s = np.array([max(one.loop_start_s for one in own) for own in begun])
     stands_m = np.array([np.mean([one.positions_m[0, :2] for one in own], axis=0) for own in begun])
-    out_m = np.hypot(*(stands_m - stands_m.mean(axis=0)).T)
-    for order in (np.argsort(values, kind="stable").tolist() for values in (joins_s, -joins_s, -out_m)):
-        placed: list[Trajectory] = []
-        for n, k in enumerate(order):
-            standing = [_standing(one) for later in order[n + 1 :] for one in begun[later]]
-            tried = (units[k](step_s * wait) for wait in range(WAITS))
-            own = next((ways for ways in tried if ways and _are_apart(ways, placed + standing, bodies_m)), None)
-            if own is None:
-                break
-            placed += own
-        else:
-            return placed
-    return []
+    goes_m = np.array([np.mean([one.at(one.loop_start_s)[:2] for one in own], axis=0) for own in begun])
+    ahead_m = stands_m @ (goes_m - stands_m).mean(axis=0)
+    order = np.argsort(-ahead_m, kind="stable").tolist()
+    placed: list[Trajectory] = []
+    for n, k in enumerate(order):
+        standing = [_standing(one) for later in order[n + 1 :] for one in begun[later]]
+        tried = (units[k](step_s * wait) for wait in range(WAITS))
+        own = next((ways for ways in tried if ways and _are_apart(ways, placed + standing, bodies_m)), None)
+        if own is None:
+            return []
+        placed += own
+    return placed
 
 
 def _standing(way: Trajectory) -> Trajectory:
