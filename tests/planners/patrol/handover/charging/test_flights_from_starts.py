@@ -83,14 +83,14 @@ def test_named_robots_begin_where_each_is_told_and_others_on_a_charger() -> None
 
 
 def test_robots_parked_side_by_side_set_out_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    parked = StartPoints(points_m=tuple((38.5, 2.0 + 0.63 * k) for k in range(4)))
-    mission = replace(HALL, fleet=replace(HALL.fleet, body_radius_m=0.3, start=parked), period_s=60)
-    plan = make_plan(mission, seed=0)
-    assert len(plan) == 4
-    assert check_plan(plan).verdict == "met"
+    plan = make_plan(replace(HALL, fleet=replace(HALL.fleet, body_radius_m=0.3), period_s=60), seed=0)
+    parked = tuple((38.5, 2.0 + 0.63 * k) for k in range(len(plan)))
+    led = begun_at(plan, *parked)
+    assert {tuple(one.positions_m[0].tolist()) for one in led} == set(parked)
+    assert check_plan(led).verdict == "met"
     monkeypatch.setattr("rota.planners.patrol.handover.charging.flights_from_starts.set_out_in_turn", lambda *_: [])
-    with pytest.raises(NoPlanFound, match="with the ways from the starts the plan does not pass the check"):
-        make_plan(mission, seed=0)
+    with pytest.raises(NoPlanFound, match="with the ways from the starts the plan does not pass the check: no way was"):
+        begun_at(plan, *parked)
 
 
 @pytest.mark.parametrize(
