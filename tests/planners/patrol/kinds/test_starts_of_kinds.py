@@ -27,7 +27,7 @@ YARD = Mission(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("charges", [False, True])
+@pytest.mark.parametrize("charges", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_kinds_set_out_from_one_box(charges: bool) -> None:
     mission = YARD
     if charges:

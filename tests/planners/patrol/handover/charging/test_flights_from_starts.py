@@ -59,7 +59,14 @@ def test_a_battery_too_small_for_the_way_is_refused() -> None:
         begun_at(replace(plan, mission=mission), (-399, 0), (-398, 0))  # 388 m and more of 400
 
 
-@pytest.mark.parametrize("turning", [{}, {"turn_rate_rad_s": 0.5}, {"turn_radius_m": 1.5}])
+@pytest.mark.parametrize(
+    "turning",
+    [
+        {"turn_rate_rad_s": 0.5},
+        pytest.param({}, marks=pytest.mark.slow),
+        pytest.param({"turn_radius_m": 1.5}, marks=pytest.mark.slow),
+    ],
+)
 def test_as_few_robots_serve_from_a_box_as_from_anywhere(turning: dict[str, float]) -> None:
     anywhere = replace(HALL, fleet=replace(HALL.fleet, **turning))
     boxed = replace(anywhere, fleet=replace(anywhere.fleet, start=StartBox(low_m=(30, 18), high_m=(38, 23))))
@@ -82,6 +89,7 @@ def test_named_robots_begin_where_each_is_told_and_others_on_a_charger() -> None
     assert check_plan(plan).verdict == "met"
 
 
+@pytest.mark.slow  # a whole search
 def test_robots_parked_side_by_side_set_out_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     plan = make_plan(replace(HALL, fleet=replace(HALL.fleet, body_radius_m=0.3), period_s=60), seed=0)
     parked = tuple((38.5, 2.0 + 0.63 * k) for k in range(len(plan)))
