@@ -83,12 +83,12 @@ class Ways:
     @property
     def turns_back_s(self) -> float:
         """How long a robot takes to turn back where it stands."""
-        return math.pi / (self._robot.turn_rate_rad_s or math.inf)
+        return _turns_back_s(self._robot)
 
     @property
     def pause_s(self) -> float:
-        """How long it stays on a charger between two flights at least: it turns there, or takes off anew on an arc."""
-        return self.turns_back_s or LANDED_S
+        """How long it stays on a charger between two flights at least."""
+        return pause_s(self._robot)
 
     def straight_s(self, chargers_m: Floats, places_m: Floats) -> Floats:
         """How long the shortest ways take (c, k) from chargers (c, 2) to places (k, 2) at full speed all the way."""
@@ -240,6 +240,16 @@ class Ways:
         turn_rad = abs(math.atan2(before[0] * after[1] - before[1] * after[0], before @ after))
         pause_s = turn_rad * driving_with_mass(self._robot).limits.turn_s
         return chain(line, steady(np.array([0.0, pause_s]), line.places_m[[-1, -1]])) if pause_s > 0 else line
+
+
+def pause_s(robot: Robot) -> float:
+    """How long it stays on a charger between two flights at least: it turns there, or takes off anew on an arc."""
+    return _turns_back_s(robot) or LANDED_S
+
+
+def _turns_back_s(robot: Robot) -> float:
+    """How long it takes to turn back where it stands."""
+    return math.pi / (robot.turn_rate_rad_s or math.inf)
 
 
 def _along_m(line_m: Floats) -> Floats:

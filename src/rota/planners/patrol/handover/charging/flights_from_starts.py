@@ -18,7 +18,7 @@ from rota.model.seam import Seam
 from rota.planners.patrol.driving.timed_line import round_of
 from rota.planners.patrol.handover.charging.flyers import fills_s
 from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
-from rota.planners.patrol.relief.ways import LANDED_S
+from rota.planners.patrol.relief.ways import pause_s
 from rota.planners.patrol.tolerances import SHORTEST_S
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planners.patrol.traffic.starts.from_starts import entry_choices, starts_of, travel_times_s
@@ -137,8 +137,8 @@ def _waiting(way: Trajectory, robot: Robot, mission: Mission) -> Trajectory:
     if first is None or not SHORTEST_S < first.from_s < way.loop_start_s or not battery.can_stand:
         return way
     charger = next(one for one in mission.chargers if one.name == first.charger)
-    turn_s = math.pi / robot.turn_rate_rad_s if robot.turn_rate_rad_s else LANDED_S
-    needs_s = max(battery.grounding_s, turn_s) + fills_s(robot, charger, first.from_s * max(1.0, battery.standing_uses))
+    took_s = first.from_s * max(1.0, battery.standing_uses)
+    needs_s = max(battery.grounding_s, pause_s(robot)) + fills_s(robot, charger, took_s)
     # while it waits it may take from its battery, which is charged again
     each_s = 1 + (0.0 if charger.swap_s is not None else fills_s(robot, charger, battery.standing_uses))
     waits_s = (first.until_s - first.from_s - needs_s) / each_s
