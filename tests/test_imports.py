@@ -153,6 +153,10 @@ def test_reading_and_writing_plans_needs_no_compiler_and_no_pictures() -> None:
     assert modules_after("import rota; rota.read_plan, rota.Plan") & {"numba", "scipy", "matplotlib"} == set()
 
 
+def test_the_patrol_planner_loads_no_solver_that_most_plans_do_without() -> None:
+    assert "scipy.optimize" not in modules_after("import rota.planners.patrol.planner")
+
+
 def test_every_public_name_is_there() -> None:
     for name in rota.__all__:
         value = getattr(rota, name)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from scipy.optimize import linear_sum_assignment
 from shapely import MultiPolygon
 
 from rota.errors import NoPlanFound, PlanError
@@ -34,6 +33,7 @@ from rota.planners.patrol.handover.rounds import (
 )
 from rota.planners.patrol.handover.shares import Share, Sharing, sharings
 from rota.planners.patrol.tolerances import TIE
+from rota.planners.patrol.traffic.starts.assignment import least_sum
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
@@ -188,7 +188,7 @@ class _Takeover:
                     (one.shortfalls(self.standing[name].robot) for one in drivers), default=0
                 )
         costs_s = np.where(np.isfinite(costs_s), costs_s, 1e9)
-        who, where = linear_sum_assignment(costs_s[:, slots])
+        who, where = least_sum(costs_s[:, slots])
         own: list[list[str]] = [[] for _ in sharing]
         for i, slot in zip(who, where, strict=True):
             own[slots[slot]].append(names[i])

@@ -9,7 +9,6 @@ from functools import partial
 from itertools import chain, cycle, islice
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission, Robot, StartPoints
@@ -20,7 +19,7 @@ from rota.planners.patrol.handover.charging.flyers import fills_s
 from rota.planners.patrol.handover.charging.takeovers import takeovers_with_chargers
 from rota.planners.patrol.relief.ways import pause_s
 from rota.planners.patrol.tolerances import SHORTEST_S
-from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
+from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_sum
 from rota.planners.patrol.traffic.starts.from_starts import entry_choices, starts_of, travel_times_s
 from rota.planners.patrol.traffic.starts.one_by_one import set_out_in_turn
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
@@ -69,10 +68,7 @@ def _set_out_in_turn(plan: Plan, robots: Sequence[Robot]) -> Iterator[Plan]:
         np.array([one.at(0.0)[:2] for one in plan]), np.array([robot.start or (0.0, 0.0) for robot in robots])
     )  # fmt: skip
     away_m = np.hypot(*(starts_m[:, None] - begins_m[None]).transpose(2, 0, 1))
-    units = [
-        partial(_alone, plan, robots[k], plan.trajectories[i])
-        for k, i in zip(*linear_sum_assignment(away_m), strict=True)
-    ]
+    units = [partial(_alone, plan, robots[k], plan.trajectories[i]) for k, i in zip(*least_sum(away_m), strict=True)]
     slowest_m_s = min(robot.ground_speed_m_s for robot in robots)
     ways = {one.robot: one for one in set_out_in_turn(units, bodies_m, 4 * max(bodies_m.values()) / slowest_m_s)}
     if ways:

@@ -10,7 +10,6 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from rota.errors import PlanError
 from rota.geometry.free_space import free_ground
@@ -31,6 +30,7 @@ from rota.planners.patrol.handover.charging.timetables import (
 from rota.planners.patrol.handover.rounds import HALVINGS, PHASES, is_clear
 from rota.planners.patrol.relief.ways import Motion, Ways
 from rota.planners.patrol.tolerances import SHORTEST_S
+from rota.planners.patrol.traffic.starts.assignment import least_sum
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planning.planner import Handover
 
@@ -285,7 +285,7 @@ class _Takeover:
         every = [[own.arrival(k, now_s) for own, now_s in roles] for k in range(len(self._flyers))]
         # how soon a robot is in its round counts only where nobody is missed
         costs = [[min(one.unserved_s + 1e-3 * min(one.joins_s, FAR), FAR) for one in row] for row in every]
-        pairs = list(zip(*linear_sum_assignment(np.array(costs)), strict=True))
+        pairs = list(zip(*least_sum(np.array(costs)), strict=True))
         if any(costs[k][role] >= FAR for k, role in pairs):
             return []
         return [

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from rota.model.arrays import Floats
 from rota.model.mission import Charger, Robot
@@ -22,6 +21,7 @@ from rota.model.trajectory import forward_accelerations
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.handover.rounds import COMPARED, SAME_M
 from rota.planners.patrol.tolerances import SAME_ROUND
+from rota.planners.patrol.traffic.starts.assignment import least_sum
 from rota.routes.charging_legs import charging_legs
 from rota.routes.flights import flights_of, has_flights
 from rota.routes.moments import go_on
@@ -168,7 +168,7 @@ def circulations(timetable: Timetable) -> list[list[tuple[RegularFlight, float]]
     waits_s = np.mod(begins_s[None] - ready_s[:, None], turn_s)
     waits_s[waits_s > turn_s - MISSED_S] = 0.0
     same = np.array([[one.charger == other.from_charger for other in flights] for one in flights])
-    _, after = linear_sum_assignment(np.where(same, waits_s, FAR))
+    _, after = least_sum(np.where(same, waits_s, FAR))
     rounds, left = [], set(range(len(flights)))
     while left:
         k = min(left)

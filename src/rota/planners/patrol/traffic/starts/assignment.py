@@ -28,12 +28,21 @@ def least_squares(costs: Floats) -> Ints:
     bodies far enough apart never touch when all go at once (Turpin, Michael and Kumar, "CAPT: Concurrent assignment and
     planning of trajectories for multiple robots", 2014). Raises ValueError when no assignment serves all loops.
     """
-    from scipy.optimize import linear_sum_assignment  # a tenth of a second, which most plans do without
-
     start_of_loop = np.full(costs.shape[1], -1, dtype=np.int64)
-    starts, loops = linear_sum_assignment(np.square(costs))
+    starts, loops = least_sum(np.square(costs))
     start_of_loop[loops] = starts
     return start_of_loop
+
+
+def least_sum(costs: Floats) -> tuple[Ints, Ints]:
+    """Rows and columns (k,), in pairs, of the assignment whose costs (m, n) have the least sum; k is min(m, n).
+
+    Raises ValueError when every such assignment has a pair that costs inf.
+    """
+    from scipy.optimize import linear_sum_assignment  # a tenth of a second, which most plans do without
+
+    rows, columns = linear_sum_assignment(costs)
+    return rows, columns
 
 
 def bottleneck_s(times_s: Floats) -> float | None:
