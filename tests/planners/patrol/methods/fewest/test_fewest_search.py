@@ -22,9 +22,11 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.allocation import period_groupings, slack_factor
+from rota.planners.patrol.methods.fewest import search as search_module
 from rota.planners.patrol.methods.fewest.search import (
     fewest_robots,
     reduce_team,
+    search_upwards,
     with_less_effort,
     without_spare_robots,
 )
@@ -126,6 +128,40 @@ def hasty(context: Context) -> Context:
 
 def test_the_best_of_less_effort_is_kept_when_more_finds_no_better(first: Repaired) -> None:
     assert reduce_team(replace(hasty(search_on(YARD)), enough_robots=1), first) is first
+
+
+@pytest.mark.parametrize(
+    ("likely", "known", "passes", "tried", "robots"),
+    [
+        (2, 5, 4, [2, 3, 4], 4),  # the last one downwards: upwards two sizes are tried
+        (2, 5, 5, [2, 3, 4], 5),
+        (16, 30, 17, [16, 17], 17),
+        (16, 30, 18, [16, 17, 29, 28, 27, 26, 25, 24, 23, 22, 21, 20, 19, 18], 18),
+        (16, 30, 28, [16, 17, 29, 28, 27], 28),
+    ],
+)
+def test_no_team_size_between_one_that_fails_and_the_plan_is_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+    first: Repaired,
+    likely: int,
+    known: int,
+    passes: int,
+    tried: list[int],
+    robots: int,
+) -> None:
+    sizes: list[int] = []
+
+    def of(count: int) -> Repaired:
+        return replace(first, tours=[replace(first.tours[0], robots=count)])
+
+    def plan_with(_context: Context, _groupings: object, count: int, **_: float) -> Repaired | None:
+        sizes.append(count)
+        return of(count) if count >= passes else None
+
+    monkeypatch.setattr(search_module, "plan_with_team_size", plan_with)
+    monkeypatch.setattr(search_module, "sure_team_size", lambda _groupings: 1)
+    found = search_upwards(search_on(YARD), [], likely, of(known))
+    assert (sizes, found.robots) == (tried, robots)
 
 
 def test_fewer_robots_on_ragged_ground_are_looked_for_where_the_settings_say_so(

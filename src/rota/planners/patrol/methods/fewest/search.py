@@ -88,8 +88,8 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     if best is None or not best.met or best.robots > likely + 2:
         best = search_upwards(context, groupings, likely, best)
         if best.robots > likely:
-            return best  # smaller teams were tried on the way up
-    return search_downwards(context, groupings, best)
+            return best  # all smaller teams were tried
+    return search_downwards(context, groupings, best, least=context.enough_robots)
 
 
 def leaves_no_slack(context: Context, best: Repaired) -> bool:
@@ -121,13 +121,12 @@ def without_spare_robots(context: Context, groupings: list[PeriodGrouping], best
     return best
 
 
-def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Repaired) -> Repaired:
-    """The last plan that passes with one robot less and one less again, no further than to the proved bound."""
+def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Repaired, *, least: int) -> Repaired:
+    """The last plan that passes with one robot less and one less again, no further than to the ``least``."""
     robots = first = best.robots
-    enough = context.enough_robots
-    while best.met and robots > enough and not context.should_stop():
+    while best.met and robots > least and not context.should_stop():
         robots -= 1
-        begin, end = (0.4 + 0.6 * (first - tried) / (first - enough) for tried in (robots + 1, robots))
+        begin, end = (0.4 + 0.6 * (first - tried) / (first - least) for tried in (robots + 1, robots))
         own = replace(context, progress=share_of_progress(context.progress, begin, end))
         least_slack = context.settings.allocation.least_slack
         smaller = plan_with_team_size(own, groupings, robots, least_slack=least_slack)
@@ -138,24 +137,29 @@ def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Re
 
 
 def search_upwards(context: Context, groupings: list[PeriodGrouping], robots: int, best: Repaired | None) -> Repaired:
-    """A plan with so many robots or more, fewer than the best has; else the best; else the first tours, repaired."""
+    """A plan with so many robots or more, fewer than the best has; else the best; else the first tours, repaired.
+
+    Team sizes that were left out on the way up are tried on the way down from the plan.
+    """
     settings = context.settings.team_size
-    first, sure = robots, sure_team_size(groupings)
+    first = untried = robots
+    sure = sure_team_size(groupings)
     steps = 0
     while steps < settings.single_steps or robots < sure:
         if best is not None and best.met and robots >= best.robots:
-            return best
+            break
         begin, end = (0.1 + 0.3 * (tried - first) / max(sure, tried + 1 - first) for tried in (robots, robots + 1))
         own = replace(context, progress=share_of_progress(context.progress, begin, end))
         larger = plan_with_team_size(own, groupings, robots, least_slack=1.0)
         if larger is not None:
-            return larger
+            return larger if untried == robots else search_downwards(context, groupings, larger, least=untried)
         if context.should_stop():
             break
+        untried = robots + 1
         steps += 1
         robots += 1 if steps < settings.single_steps else max(1, robots // 8)  # later ones by an eighth of themselves
     if best is not None and best.met:
-        return best
+        return search_downwards(context, groupings, best, least=untried)
     return repair_first_tours(context, groupings)
 
 
