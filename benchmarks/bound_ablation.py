@@ -28,11 +28,11 @@ from benchmarks.plan_hashes import mission_of
 from benchmarks.random_missions import random_mission
 from benchmarks.sun_cases import CASES, FIGURE_16
 from rota.errors import NoPlanFound
+from rota.model.anywhere import without_starts
 from rota.model.mission import Demand, DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.bounds import best_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.margins import without_starts
 
 NOTHING = ProvedBound(robots=0, reason="left out")
 PROOFS: dict[str, tuple[str, Any]] = {

@@ -13,10 +13,11 @@ from benchmarks.row import Options, Row
 from benchmarks.sun_cases import CASES, write_case
 from rota import read_mission
 from rota.check import check_plan
+from rota.model.anywhere import without_starts
 from rota.model.mission import Mission
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.margins import with_reserve, without_starts
+from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired

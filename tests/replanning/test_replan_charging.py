@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.charging import docks
 from benchmarks.time_sampling import Sampled, lattice
 from tests.relieved import with_battery
 from tests.replanning.relays import BATTERY, PERIOD_S, relay
 from tests.replanning.rings import ROUND_S
 
-from rota import MissionError, Plan, Replanned, Trajectory, check_plan, replan
+from rota import MissionError, Plan, Replanned, Trajectory, check_plan, make_plan, replan
 from rota.check.lateness import lateness_of
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
@@ -326,3 +327,17 @@ def test_lateness_is_the_same_where_loops_that_meet_all_are_looked_at_to_their_e
     for one, other in zip(told.demands, whole.demands, strict=True):
         assert one.worst_at_least_s == pytest.approx(other.worst_at_least_s)
         assert one.worst_s == pytest.approx(other.worst_s, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 24])
+def test_drones_that_remain_share_their_docks_anew(seed: int) -> None:
+    plan = make_plan(docks(seed))
+    found: list[Replanned] = []
+    replan(plan, at_s=plan.trajectories[0].loop_start_s + 500, lost=["robot-1"], on_better=found.append)
+    ratios = [max(one.worst_gap_at_least_s / one.period_s for one in each.report.demands) for each in found]
+    # flights left out for good make places wait five to eight periods; two of three robots need one and a half
+    assert ratios[0] > 4
+    assert ratios[-1] <= 1.5
+    assert found[-1].report.lateness is not None
+    assert all(one.unseen_area_m2 == 0 for one in found[-1].report.demands)

@@ -83,8 +83,11 @@ class Order:
         """Whether sample points tell that all is met and nothing late: then others can change fewer ways at best."""
         return not any(sampled[: 2 * len(self.levels) + 3])
 
-    def ease_less_important(self, count: int, times: float) -> Mission:
-        """The mission whose demands but those of so many levels have so many times their periods; inf: none at all."""
+    def ease_less_important(self, mission: Mission, count: int, times: float) -> Mission:
+        """A mission with these demands, but for so many levels with so many times the periods; inf: with none at all.
+
+        The levels that keep theirs are the most important ones.
+        """
         kept = frozenset().union(*self.levels[:count])
 
         def ease(name: str, period_s: float | None) -> float | None:
@@ -92,8 +95,8 @@ class Order:
                 return period_s
             return None if math.isinf(times) else min(times * period_s, LONGEST_S)
 
-        zones = tuple(replace(zone, period_s=ease(zone.name, zone.period_s)) for zone in self._mission.zones)
-        return replace(self._mission, zones=zones, period_s=ease(AREA, self._mission.period_s))
+        zones = tuple(replace(zone, period_s=ease(zone.name, zone.period_s)) for zone in mission.zones)
+        return replace(mission, zones=zones, period_s=ease(AREA, mission.period_s))
 
     def importance_of(self, loops: Sequence[Trajectory], team: Fleet) -> dict[str, float]:
         """How important is what depends on each loop, by the names of a team's robots; nothing where all is alike.

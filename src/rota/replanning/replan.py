@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rota.errors import MissionError, NoPlanFound
+from rota.model.anywhere import without_starts
 from rota.model.plan import Plan, Trajectory
 from rota.planning.near_origin import takeovers_near_origin
 from rota.planning.planner import Handover, planner_of
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
 EASED = (2.0, 4.0, math.inf)  # times the periods of what is less important that are tried; inf: it is left out
+LONGER = (1.25, 1.5, 2.0, 3.0, 4.0)  # times the periods for which robots that charge search, if too few are left
 SAMPLED = 32  # of the last plans, of which it is kept what sample points say
 POINTS = 150  # of each demand that plans are compared at
 
@@ -198,25 +200,45 @@ class _Search:
         Where what is more important is not met by any, also for rounds that serve the rest more rarely, or not at all.
         """
         mission = self._situation.mission
-        self._search(mission, progress)
+        if mission.chargers:  # batteries are not full now: robots come into rounds from anywhere
+            mission = without_starts(mission)
+        self._search(mission, progress, as_asked=True)
+        if mission.chargers:
+            self._search_longer_rounds(mission, progress)
         for count in range(len(self._order.levels) - 1, 0, -1):
             for times in EASED:
                 if self._is_over() or self._rank[0] == 0.0 or not any(self._rank[1 : 1 + 2 * count]):
                     return
-                self._search(self._order.ease_less_important(count, times), progress)
+                self._search(self._order.ease_less_important(mission, count, times), progress)
 
-    def _search(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
+    def _search_longer_rounds(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
+        """Search for rounds of robots that charge with longer periods, where as many as remain find none else."""
+        levels, last = 2 * len(self._order.levels), 1.0
+        for times in LONGER:
+            before = self._rank
+            unseen, ratios = before[1 : 1 + levels : 2], before[2 : 1 + levels : 2]
+            # robots are whole: rounds for twice the periods may need no more than 1.6 times
+            if self._is_over() or before[0] == 0.0 or (not any(unseen) and max(ratios) <= last):
+                return
+            last = times
+            self._search(self._order.ease_less_important(mission, 0, times), progress)
+            if self._rank < before:
+                return
+
+    def _search(
+        self, mission: Mission, progress: Callable[[float, str], None] | None, *, as_asked: bool = False
+    ) -> None:
         """Search for rounds for a mission, which may ask for less than that of the situation."""
         from rota.planning.make_plan import search_plan
 
         def note(plan: Plan, report: Report) -> None:
-            if mission is self._situation.mission:
+            if as_asked:
                 ever = self._order.of_report(report)
                 if ever > self._rank[: len(ever)]:  # however robots come into such loops
                     return
             loops = tuple(replace(one, robot=f"loop {k + 1}") for k, one in enumerate(plan))
             self.try_rounds(loops, OTHERS, plan.mission.fleet, [one.robot for one in plan])
-            if not any(one.kind in ("start", "no trajectory") for one in report.violations):
+            if mission.has_starts and not any(one.kind in ("start", "no trajectory") for one in report.violations):
                 self._try(replace(plan, mission=self._situation.mission, seam=self._situation.seam))
 
         with suppress(NoPlanFound, MissionError):

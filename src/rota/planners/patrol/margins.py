@@ -8,15 +8,6 @@ from rota.model.mission import DiscSensor, Mission, Robot, Sensor
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 
-def without_starts(mission: Mission) -> Mission:
-    """The same mission, its robots anywhere to begin with; itself when they are."""
-    if not mission.has_starts:
-        return mission
-    robots = mission.fleet.robots
-    anywhere = None if robots is None else tuple(replace(robot, start=None) for robot in robots)
-    return replace(mission, fleet=replace(mission.fleet, robots=anywhere, start=None))
-
-
 def with_reserve(mission: Mission) -> Mission:
     """The mission with periods shorter by ``period_margin`` and sensors by ``range_margin_m``; itself without both."""
     share, margin_m = 1 - PatrolSettings.of(mission).period_margin, PatrolSettings.of(mission).range_margin_m

@@ -10,6 +10,7 @@ from functools import partial
 import shapely
 
 from rota.errors import NoPlanFound
+from rota.model.anywhere import without_starts
 from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan
@@ -25,7 +26,7 @@ from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.handover.charging.flights_from_starts import lead_to_flights
 from rota.planners.patrol.kinds.groups import differs
 from rota.planners.patrol.kinds.plan_with_kinds import plan_with_kinds
-from rota.planners.patrol.margins import with_reserve, without_starts
+from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
 from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
 from rota.planners.patrol.methods.fewest.shorter_sights import with_shorter_sights

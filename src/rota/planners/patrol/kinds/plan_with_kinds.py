@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import NoPlanFound
+from rota.model.anywhere import without_starts
 from rota.model.mission import Mission
 from rota.model.plan import Plan
 from rota.planners.patrol.bounds.best_bound import prove_bound
@@ -24,7 +25,6 @@ from rota.planners.patrol.kinds.groups import Group
 from rota.planners.patrol.kinds.parts import Search
 from rota.planners.patrol.kinds.starts import lead_groups
 from rota.planners.patrol.kinds.team import Team
-from rota.planners.patrol.margins import without_starts
 from rota.planning.planner import Request
 
 

@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from rota.errors import NoPlanFound
+from rota.model.anywhere import without_starts
 from rota.model.mission import Mission, Robot
 from rota.model.plan import Plan, Trajectory
 from rota.planners.patrol.handover.charging.flights_from_starts import lead_to_flights, robots_at_starts
 from rota.planners.patrol.kinds.groups import Group, groups_of
-from rota.planners.patrol.margins import without_starts
 from rota.planners.patrol.traffic.starts.from_starts import lead_from_starts
 from rota.planners.patrol.traffic.starts.one_by_one import set_out_in_turn
 from rota.planners.patrol.verdict import Judge, worst_reached
