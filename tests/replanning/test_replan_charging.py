@@ -97,15 +97,18 @@ def turning(plan: Plan) -> Plan:
 def test_a_spare_robot_takes_the_place_of_one_that_is_lost_in_flight(at_s: float, turns: bool) -> None:
     plan = turning(relay(spare=True)) if turns else relay(spare=True)
     assert check_plan(plan).verdict == "met"
-    found = replan(plan, at_s=at_s, lost=["a"])  # 10 m round the ring
+    answers: list[Replanned] = []
+    found = replan(plan, at_s=at_s, lost=["a"], on_better=answers.append)  # 10 m round the ring
     judge_by_steps(plan, at_s, found)
     assert found.report.verdict == "met"
     assert found.report.lateness is not None
-    # who starts at the pad is 10 s behind: what lay ahead of the lost one is seen 10 s later than it would have been
-    least_s = 10.0 + ROUND_S - LEFT_S - PERIOD_S
-    worst_s = max(one.worst_s for one in found.report.lateness.demands)
-    assert least_s - 0.5 <= worst_s <= least_s + 0.8  # outside of a corner it is in sight for less long
     assert found.report.lateness.holds_again_s < 2 * PERIOD_S  # type: ignore[operator]
+    # who starts at the pad is 10 s behind: what lay ahead of the lost one is seen 10 s later than it would have been;
+    # outside of a corner it is in sight for less long
+    least_s = 10.0 + ROUND_S - LEFT_S - PERIOD_S
+    worst_s = [max(one.worst_s for one in each.report.lateness.demands) for each in answers]  # type: ignore[union-attr]
+    assert any(least_s - 0.5 <= late_s <= least_s + 0.8 for late_s in worst_s)
+    assert worst_s[-1] <= least_s + 0.8  # other rounds may lose less
 
 
 def test_nothing_is_late_where_a_robot_is_lost_on_its_charger_with_one_to_spare() -> None:

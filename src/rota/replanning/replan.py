@@ -94,7 +94,8 @@ def replan(
     stop = StopRule(time_limit_s, should_stop)
     search = _Search(situation, seed, stop, on_better)
     search.try_rounds(situation.loops, SHARINGS, situation.team)
-    if situation.mission.has_starts and not search.is_done and not stop():
+    may_search = situation.mission.has_starts or situation.mission.chargers
+    if may_search and not search.is_done and not stop():
         search.look_for_better(progress)
     return search.outcome(stop.stopped)
 
