@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.charging import docks
 from benchmarks.random_missions import random_mission
 from benchmarks.row import Options, Row
 from benchmarks.time_sampling import Sampled, lattice
@@ -19,6 +20,7 @@ EXAMPLES = ("warehouse", "building", "parcel", "sun2019-fig13", "coast", "harbou
 SPARED = EXAMPLES[:4]  # those of which loops for other robots are found within a minute
 CHARGING = ("port-relief", "warehouse-relief")  # those whose robots charge
 COPTERS = {"fleet.vehicle": "arducopter-targets", "fleet.speed_m_s": 8}  # with mass, by targets
+DOCKS = (1, 2, 3, 14, 17, 18, 24, 25)  # seeds of random docks between which robots fly, so that each loss upsets all
 LOSSES, OF_EACH = 100, 4  # random losses, and those of one random mission
 STEP_S, POINTS = 0.1, 150
 FIRST_S, RECOVERY = 2.0, 2.0  # what is asked: of the first answer, and of recovery in longest periods
@@ -58,6 +60,7 @@ def replans(options: Options) -> Iterator[Row]:
     yield charging_row("robots that charge", [with_one_more(name) for name in CHARGING])
     yield charging_row("copters with mass that charge", [with_one_more("port-relief", **COPTERS)])
     yield unlike_row()
+    yield docks_row()
 
 
 def unlike_row() -> Row:
@@ -65,6 +68,22 @@ def unlike_row() -> Row:
     plans = [plan_of("farm"), make_plan(read_mission(Path("examples") / "port-relief.yaml").mission, seed=0)]
     lost = [answer(plan, *loss) for plan in plans for loss in losses(plan)]
     return first_answers("the same of the farm's kinds, and of the port's circuits by default", lost)
+
+
+def docks_row() -> Row:
+    """The worst gap over period at once, and after the search, of drones with a dock each that lose one of as few."""
+    at_once, at_last, cpu_s = list[float](), list[float](), list[float]()
+    for seed in DOCKS:
+        plan, answers = make_plan(docks(seed), seed=0), list[Replanned]()
+        at_s, began_s = plan.trajectories[0].loop_start_s + 500, time.process_time()
+        replan(plan, at_s=at_s, lost=["robot-1"], on_better=answers.append)
+        cpu_s.append(time.process_time() - began_s)
+        ratios = [max(one.worst_gap_at_least_s / one.period_s for one in each.report.demands) for each in answers]
+        at_once.append(ratios[0])
+        at_last.append(ratios[-1])
+    told = f"{min(at_once):.2f} to {max(at_once):.2f} at once, {min(at_last):.2f} to {max(at_last):.2f} at last"
+    told += f", after {np.median(cpu_s):.0f} s of the processor (median)"
+    return Row(f"{len(DOCKS)} teams of drones with a dock each, one lost: worst gap / period", "", told, None)
 
 
 def with_one_more(name: str, **changed: object) -> Plan:
