@@ -17,7 +17,7 @@ from rota.routes.flights import flights_of
 @pytest.fixture(scope="module")
 def taken_over() -> Plan:
     """A relay of three in which the one to spare takes the place of one that was lost in flight."""
-    return replan(relay(spare=True), at_s=10.0, lost=["a"]).plan
+    return replan(relay(spare=True), at_s=10.0, lost=["a"], should_stop=lambda: True).plan
 
 
 def test_a_flight_that_is_flown_once_serves_no_loop(taken_over: Plan) -> None:

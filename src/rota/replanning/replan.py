@@ -155,7 +155,8 @@ class _Search:
         situation = self._situation
         asked = Handover(
             mission=situation.mission, places=situation.places, seam=situation.seam, seed=self._seed,
-            going_on=situation.going_on if loops is situation.loops else {}, loops=loops,
+            # who charges ends the flight that it is on, whatever comes after it
+            going_on=situation.going_on if loops is situation.loops or situation.mission.chargers else {}, loops=loops,
             lateness=self._sample, most=most, batteries=situation.batteries,
             importance=self._order.importance_of(loops, situation.team) if loops is situation.loops else {},
             drivers={

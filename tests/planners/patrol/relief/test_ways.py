@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.planners.patrol.relief.test_relief import CORRIDOR
 
-from rota import check_plan, make_plan, replan
+from rota import Replanned, check_plan, make_plan, replan
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Fleet, Mission
 from rota.model.motion_limits import MotionLimits
@@ -119,12 +119,20 @@ def test_a_change_within_a_curve_is_judged_with_the_curve(cutting: Plan) -> None
 @pytest.mark.parametrize("at_s", [7.0, 250.0, 900.0])
 def test_two_of_three_fly_in_longer_turns_however_much_mass_they_have(cutting: Plan, at_s: float) -> None:
     """Away for L seconds and charging for 2 L, nobody is there for L / 2 after each: in all that and a round."""
-    found = replan(cutting, at_s=at_s, lost=["robot-2"])
+    found = replan(cutting, at_s=at_s, lost=["robot-2"], should_stop=lambda: True)
     assert {violation.kind for violation in found.report.violations} == {"gap"}
     charges = [one for trajectory in cutting for one in trajectory.charges]
     stays_s = max(one.until_s - one.from_s for one in charges)
     (demand,) = found.report.demands
     assert stays_s / 4 < demand.worst_gap_s < stays_s / 4 + 70
+
+
+@pytest.mark.slow  # the search for other flights
+def test_two_of_three_find_flights_that_come_oftener_than_theirs_in_longer_turns(cutting: Plan) -> None:
+    answers: list[Replanned] = []
+    replan(cutting, at_s=250.0, lost=["robot-2"], on_better=answers.append)
+    first_s, last_s = (demand.worst_gap_s for one in (answers[0], answers[-1]) for demand in one.report.demands)
+    assert 70 < last_s < 0.5 * first_s
 
 
 def test_a_new_one_with_mass_comes_to_a_charger_first(cutting: Plan) -> None:
