@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from benchmarks.charging import docks
 from benchmarks.time_sampling import Sampled, lattice
+from shapely import MultiPolygon, box
 from tests.relieved import with_battery
 from tests.replanning.relays import BATTERY, PERIOD_S, relay
 from tests.replanning.rings import ROUND_S
 
-from rota import MissionError, Plan, Replanned, Trajectory, check_plan, make_plan, replan
+from rota import MissionError, NoPlanFound, Plan, Replanned, Trajectory, check_plan, make_plan, replan
 from rota.check.lateness import lateness_of
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
 from rota.model.fleet import Kind
-from rota.model.mission import Charger
+from rota.model.mission import Charger, Obstacle
 from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.handover.charging.arrivals import Arrivals
 from rota.planners.patrol.handover.charging.flyers import Flyer
@@ -330,6 +331,13 @@ def test_lateness_is_the_same_where_loops_that_meet_all_are_looked_at_to_their_e
     for one, other in zip(told.demands, whole.demands, strict=True):
         assert one.worst_at_least_s == pytest.approx(other.worst_at_least_s)
         assert one.worst_s == pytest.approx(other.worst_s, abs=0.1)
+
+
+def test_where_an_obstacle_cuts_the_ground_of_robots_that_charge_in_two_no_plan_takes_over() -> None:
+    plan = relay(spare=False)
+    wall = Obstacle(shape=MultiPolygon([box(3, -1, 4, 11)]))
+    with pytest.raises(NoPlanFound, match="no plan takes over at t = 10 s"):
+        replan(plan, at_s=10.0, mission=replace(plan.mission, obstacles=(wall,)))
 
 
 @pytest.mark.slow

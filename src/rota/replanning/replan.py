@@ -220,7 +220,7 @@ class _Search:
             before = self._rank
             unseen, ratios = before[1 : 1 + levels : 2], before[2 : 1 + levels : 2]
             # robots are whole: rounds for twice the periods may need no more than 1.6 times
-            if self._is_over() or before[0] == 0.0 or (not any(unseen) and max(ratios) <= last):
+            if self._is_over() or before[0] == 0.0 or (not any(unseen) and max(ratios, default=math.inf) <= last):
                 return
             last = times
             self._search(self._order.ease_less_important(mission, 0, times), progress)
