@@ -68,7 +68,7 @@ def test_less_important_demands_are_eased_and_others_kept() -> None:
     mission = replace(watched({"west": 1, "east": 5}).mission, period_s=100.0, importance=1)
     assert levels_of(mission) == [{"east"}, {"west", "area"}]
     for times, asked in ((2.0, (44.0, 200.0)), (np.inf, (None, None))):
-        eased = Order(mission).ease_less_important(mission, 1, times)
+        eased = Order(mission).ease_all_but(mission, 1, times)
         west, east = (zone.period_s for zone in eased.zones)
         assert (east, (west, eased.period_s)) == (22, asked)
 

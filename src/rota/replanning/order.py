@@ -83,7 +83,7 @@ class Order:
         """Whether sample points tell that all is met and nothing late: then others can change fewer ways at best."""
         return not any(sampled[: 2 * len(self.levels) + 3])
 
-    def ease_less_important(self, mission: Mission, count: int, times: float) -> Mission:
+    def ease_all_but(self, mission: Mission, count: int, times: float) -> Mission:
         """A mission with these demands, but for so many levels with so many times the periods; inf: with none at all.
 
         The levels that keep theirs are the most important ones.

@@ -211,7 +211,7 @@ class _Search:
             for times in EASED:
                 if self._is_over() or self._rank[0] == 0.0 or not any(self._rank[1 : 1 + 2 * count]):
                     return
-                self._search(self._order.ease_less_important(mission, count, times), progress)
+                self._search(self._order.ease_all_but(mission, count, times), progress)
 
     def _search_longer_rounds(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
         """Search for rounds of robots that charge with longer periods, where as many as remain find none else."""
@@ -223,7 +223,7 @@ class _Search:
             if self._is_over() or before[0] == 0.0 or (not any(unseen) and max(ratios, default=math.inf) <= last):
                 return
             last = times
-            self._search(self._order.ease_less_important(mission, 0, times), progress)
+            self._search(self._order.ease_all_but(mission, 0, times), progress)
             if self._rank < before:
                 return
 
