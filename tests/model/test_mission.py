@@ -59,6 +59,19 @@ def test_lists_serve_where_tuples_do() -> None:
     assert hash(made[0]) == hash(made[1])
 
 
+@pytest.mark.parametrize("kind", [int, np.int64, np.float32])
+def test_numbers_are_floats_whatever_they_were_given_as(kind) -> None:
+    # equal missions share what is cached by them, and a report that says 60 is not the same text as one that says 60.0
+    made = Mission(
+        name="m", area=box(0, 0, 9, 9), period_s=kind(60), importance=kind(2),
+        zones=[Zone(name="z", shape=box(0, 0, 1, 1), period_s=kind(5))],
+        fleet=Fleet(speed_m_s=kind(1), sensor=DiscSensor(radius_m=kind(2)), body_radius_m=kind(0)),
+    )  # fmt: skip
+    told = made.period_s, made.importance, made.zones[0].period_s, made.fleet.speed_m_s, made.fleet.body_radius_m
+    assert repr(told) == "(60.0, 2.0, 5.0, 1.0, 0.0)"
+    assert repr(made.fleet.sensor.radius_m) == "2.0"
+
+
 def test_names_of_zones_are_unique() -> None:
     with pytest.raises(MissionError, match="zones: 'gate' is not allowed; names must be unique"):
         with_zones("gate", "gate")

@@ -87,9 +87,9 @@ def test_intervals_are_those_of_tables() -> None:
     ("given", "told"),
     [
         ({"hours": math.nan}, "hours: nan is not allowed"),
-        ({"hours": 0.0}, "hours: 0.0 is not allowed; must be a finite number greater than 0"),
+        ({"hours": 0.0}, "hours: 0 is not allowed; must be a finite number greater than 0"),
         ({"hours": 9000.0, "runs": 1, "speed_noise": 0.1}, "hours: 9000 is not allowed; at most 3472 are"),
-        ({"failures_per_hour": -1.0}, "failures_per_hour: -1.0 is not allowed; must be at least 0"),
+        ({"failures_per_hour": -1.0}, "failures_per_hour: -1 is not allowed; must be at least 0"),
         ({"failures_per_hour": math.inf}, "failures_per_hour: inf is not allowed"),
         ({"speed_noise": 0.5}, "speed_noise: 0.5 is not allowed; must be at least 0 and at most 0.3"),
         ({"speed_noise": math.nan}, "speed_noise: nan is not allowed"),

@@ -18,7 +18,7 @@ Json = dict[str, Any]
 
 
 def check_fields(block: Any, where: str = "") -> None:
-    """Make tuples of a block's lists. Raises MissionError for a value that its field does not take.
+    """Make tuples of lists and floats of numbers. Raises MissionError for a value that its field does not take.
 
     where: what stands before the name of a field, such as ``fleet.``. What is ``AS_FLEET`` is passed over.
     """
@@ -33,6 +33,8 @@ def check_fields(block: Any, where: str = "") -> None:
             raise MissionError(f"{where}{path_of((item.name, *place))}: {message}")
         if item.kind in ("pair", "list") and value is not None:
             object.__setattr__(block, item.name, () if value == item.word else tuples_of(item, value))
+        elif item.kind in ("number", "either") and type(value) is not float and isinstance(value, Real):
+            object.__setattr__(block, item.name, float(value))
 
 
 def _list_up(item: Field, value: Any) -> Any:
@@ -64,8 +66,6 @@ def in_file_form(block: Any, other: Callable[[Any], Any] = lambda value: value, 
             continue
         if item.flat:
             told |= in_file_form(value, other)
-        elif item.kind in ("number", "whole") and hasattr(block, "value_of"):
-            told[item.name] = value  # of settings as it was given, 0 or 0.0
         else:
             told[item.key or item.name] = _value_as_written(item, value, other)
     return told

@@ -204,7 +204,7 @@ class Field:
         is_number: bool = isinstance(value, Integral if whole else Real) and not isinstance(value, bool)
         if not is_number:
             return Fault("int_type" if whole else "float_type", {})
-        if not (-math.inf < value < math.inf and (whole or abs(value) <= sys.float_info.max)):
+        if not (abs(value) < math.inf and (whole or hasattr(value, "dtype") or abs(value) <= sys.float_info.max)):
             return Fault("finite_number", {})
         for name, bound in self.bounds(in_mission_file).items():
             if not _KEPT[name](value, bound):

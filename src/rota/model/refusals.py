@@ -97,7 +97,7 @@ def path_of(place: Where) -> str:
 def require(ok: bool, where: str, value: object, allowed: str) -> None:
     """Raise MissionError that names the place, the value and what is allowed, unless all is well."""
     if not ok:
-        raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
+        raise MissionError(f"{where}: {repr(value).removesuffix('.0')} is not allowed; {allowed}")
 
 
 def require_positive(where: str, value: float, most: float = sys.float_info.max) -> None:
