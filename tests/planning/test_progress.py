@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rota.planning.progress import SteadyProgress
+from rota.planning.progress import SearchState, SteadyProgress, rank
 
 
 def test_the_share_done_never_falls_and_ends_at_one() -> None:
@@ -36,3 +36,16 @@ def test_a_time_limit_bounds_the_time_left() -> None:
     progress = SteadyProgress(time_limit_s=30.0)
     progress.tell(0.1, 10.0)
     assert progress.left_s(12.0) == pytest.approx(18.0)
+
+
+def test_a_plan_that_can_be_driven_comes_before_one_that_sees_more() -> None:
+    def state(unseen_share: float, late_share: float, **more: bool) -> SearchState:
+        return SearchState(stage="checked", robots=2, unseen_share=unseen_share, late_share=late_share, **more)
+
+    ordered = [
+        state(0.0, 0.0, met=True),
+        state(0.0, 0.4),
+        state(0.3, 0.2),
+        state(0.0, 0.1, drivable=False),
+    ]
+    assert sorted(reversed(ordered), key=rank) == ordered

@@ -89,4 +89,5 @@ def checked_state(plan: Plan, report: Report) -> SearchState:
         unseen_share=unseen_m2 / whole_m2 if whole_m2 else 0.0,
         late_share=max(0.0, *(ratio - 1 for ratio in ratios)) if ratios else 0.0,
         met=report.verdict == "met",
+        drivable=all(fault.kind in ("gap", "unseeable", "holds too late") for fault in report.violations),
     )

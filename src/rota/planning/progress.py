@@ -50,7 +50,8 @@ class SearchState:
     stage: "searched", told by the planner of what it is working on; or "checked", told of a plan that was judged.
     robots: in it. unseen_share: how much of the asked ground is never seen, 0..1; by the planner's sample points while
     searched, by the check's area when checked. late_share: by how much the longest wait for what is seen outlasts its
-    period, as a share of the period; 0 when none does. met: the check passed it.
+    period, as a share of the period; 0 when none does. met: the check passed it. drivable: nothing
+    else is wrong with it.
     """
 
     stage: Stage
@@ -58,17 +59,18 @@ class SearchState:
     unseen_share: float
     late_share: float
     met: bool = False
+    drivable: bool = True
 
 
 Watch = Callable[[SearchState], None]
 
 
-def rank(state: SearchState) -> tuple[bool, float, float]:
+def rank(state: SearchState) -> tuple[bool, bool, float, float]:
     """The order of states; the best has the least.
 
-    What the check passed is better than what it did not, and better with fewer robots. Among the rest that is better
-    which leaves less unseen and late, both as shares, and then what needs fewer robots.
+    What the check passed is better than what it did not, and better with fewer robots. Among the rest what can be
+    driven is better, then what leaves less unseen and late, both as shares, and then what needs fewer robots.
     """
     if state.met:
-        return False, state.robots, 0.0
-    return True, state.unseen_share + state.late_share, state.robots
+        return False, False, state.robots, 0.0
+    return True, not state.drivable, state.unseen_share + state.late_share, state.robots

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FIRST = 3  # plans of which the first answer is the least late
 SHARINGS, OTHERS = 12, 1  # ways to share the rounds of the plan before, and those of another plan, that are tried
 EASED = (2.0, 4.0, math.inf)  # times the periods of what is less important that are tried; inf: it is left out
-LONGER = (1.25, 1.5, 2.0, 3.0, 4.0)  # times the periods for which robots that charge search, if too few are left
+LONGER = (1.5, 2.0, 3.0, 4.0)  # times the periods for which robots that charge search, if they come into no rounds
 SAMPLED = 32  # of the last plans, of which it is kept what sample points say
 POINTS = 150  # of each demand that plans are compared at
 
@@ -204,8 +204,9 @@ class _Search:
         mission = self._situation.mission
         if mission.chargers:  # batteries are not full now: robots come into rounds from anywhere
             mission = without_starts(mission)
+        before = self._rank
         self._search(mission, progress, as_asked=True)
-        if mission.chargers:
+        if mission.chargers and self._rank == before:
             self._search_longer_rounds(mission, progress)
         for count in range(len(self._order.levels) - 1, 0, -1):
             for times in EASED:
@@ -214,15 +215,11 @@ class _Search:
                 self._search(self._order.ease_all_but(mission, count, times), progress)
 
     def _search_longer_rounds(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
-        """Search for rounds of robots that charge with longer periods, where as many as remain find none else."""
-        levels, last = 2 * len(self._order.levels), 1.0
+        """Search for rounds of robots that charge with longer periods, where they come into none for those asked."""
+        before = self._rank
         for times in LONGER:
-            before = self._rank
-            unseen, ratios = before[1 : 1 + levels : 2], before[2 : 1 + levels : 2]
-            # robots are whole: rounds for twice the periods may need no more than 1.6 times
-            if self._is_over() or before[0] == 0.0 or (not any(unseen) and max(ratios, default=math.inf) <= last):
+            if self._is_over() or before[0] == 0.0:
                 return
-            last = times
             self._search(self._order.ease_all_but(mission, 0, times), progress)
             if self._rank < before:
                 return

@@ -30,6 +30,7 @@ from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
 from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
 from rota.planners.patrol.methods.fewest.shorter_sights import with_shorter_sights
+from rota.planners.patrol.methods.fixed_team.charging_team import plan_at_best
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
@@ -47,6 +48,16 @@ from rota.planning.stopping import put_off
 
 
 def plan_patrol(request: Request) -> Plan:
+    """A plan for the mission; with NoPlanFound for a fixed team that charges comes one for longer periods."""
+    try:
+        return plan_any(request)
+    except NoPlanFound as failure:
+        if not request.mission.chargers or request.mission.fleet.robots is None:
+            raise
+        return plan_at_best(request, plan_any, failure)
+
+
+def plan_any(request: Request) -> Plan:
     """A plan for the mission, whose robots may be unlike each other; see ``plan_alike`` for those that are not."""
     if request.mission.lanes or not differs(request.mission):
         return plan_alike(request)

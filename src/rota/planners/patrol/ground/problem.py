@@ -269,13 +269,13 @@ def finer_spacing_m(asked_m2: float, reach_m: float, settings: SamplingSettings,
 
 def stretch_periods(problem: Problem, stretch: float) -> Problem:
     """The same problem with all periods multiplied by ``stretch``."""
-    mission = problem.mission
+    regions = tuple(replace(region, period_s=stretch * region.period_s) for region in problem.regions)
+    return replace(problem, mission=stretch_mission(problem.mission, stretch), regions=regions)
+
+
+def stretch_mission(mission: Mission, stretch: float) -> Mission:
+    """The same mission with all periods multiplied by ``stretch``."""
     zones = tuple(
         zone if zone.period_s is None else replace(zone, period_s=stretch * zone.period_s) for zone in mission.zones
     )
-    outside_s = None if mission.period_s is None else stretch * mission.period_s
-    return replace(
-        problem,
-        mission=replace(mission, zones=zones, period_s=outside_s),
-        regions=tuple(replace(region, period_s=stretch * region.period_s) for region in problem.regions),
-    )
+    return replace(mission, zones=zones, period_s=None if mission.period_s is None else stretch * mission.period_s)

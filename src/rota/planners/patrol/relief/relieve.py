@@ -107,7 +107,7 @@ def relieve(
                 found, crowded = failure.best, True
             elif heeds_places:
                 barren = tried
-            elif not gives_way:
+            elif not gives_way and shared is None:
                 raise
             continue
         verdict = judge(found)
