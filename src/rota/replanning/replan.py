@@ -205,8 +205,8 @@ class _Search:
         if mission.chargers:  # batteries are not full now: robots come into rounds from anywhere
             mission = without_starts(mission)
         before = self._rank
-        self._search(mission, progress, as_asked=True)
-        if mission.chargers and self._rank == before:
+        has_rounds = self._search(mission, progress, as_asked=True)
+        if mission.chargers and has_rounds and self._rank == before:
             self._search_longer_rounds(mission, progress)
         for count in range(len(self._order.levels) - 1, 0, -1):
             for times in EASED:
@@ -215,22 +215,24 @@ class _Search:
                 self._search(self._order.ease_all_but(mission, count, times), progress)
 
     def _search_longer_rounds(self, mission: Mission, progress: Callable[[float, str], None] | None) -> None:
-        """Search for rounds of robots that charge with longer periods, where they come into none for those asked."""
+        """Search for rounds of robots that charge with longer periods, where they come into none of those found."""
         before = self._rank
         for times in LONGER:
-            if self._is_over() or before[0] == 0.0:
+            if self._is_over() or before[0] == 0.0 or self._rank < before:
                 return
             self._search(self._order.ease_all_but(mission, 0, times), progress)
-            if self._rank < before:
-                return
 
     def _search(
         self, mission: Mission, progress: Callable[[float, str], None] | None, *, as_asked: bool = False
-    ) -> None:
-        """Search for rounds for a mission, which may ask for less than that of the situation."""
+    ) -> bool:
+        """Search for rounds for a mission, which may ask for less than the situation's; whether any were found."""
         from rota.planning.make_plan import search_plan
 
+        has_rounds = False
+
         def note(plan: Plan, report: Report) -> None:
+            nonlocal has_rounds
+            has_rounds = True
             if as_asked:
                 ever = self._order.of_report(report)
                 if ever > self._rank[: len(ever)]:  # however robots come into such loops
@@ -248,6 +250,7 @@ class _Search:
                 on_better=note,
                 should_stop=lambda: self._stop() or self.is_done,
             )
+        return has_rounds
 
     def _try(self, plan: Plan) -> bool:
         """Have a plan checked; True where it can be driven and is better than all before it."""
