@@ -15,6 +15,7 @@ Heights are the ways from one of the places, their negatives, and coordinates al
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 
 import numpy as np
 
@@ -52,13 +53,15 @@ def chain_robots(low_m: Floats, high_m: Floats, period_s: Floats, speed_m_s: flo
 
     low_m, high_m: (n,) metres, the heights from which a point is served; period_s: (n,).
     """
-    ceiling_m = high_m + speed_m_s * period_s / 2
-    robots, below_m = 0, -math.inf
-    while True:
-        above = low_m > below_m + ROUNDING * abs(below_m) if robots else np.ones(len(low_m), dtype=bool)
-        if not above.any():
-            return robots, below_m
-        robots, below_m = robots + 1, float(ceiling_m[above].min())
+    order = np.argsort(low_m)
+    low_s = low_m[order].tolist()
+    # the least ceiling of all points that are served from no lower than each
+    ceilings_m = np.minimum.accumulate((high_m + speed_m_s * period_s / 2)[order][::-1])[::-1].tolist()
+    robots, below_m, first = 0, -math.inf, 0
+    while first < len(low_s):
+        robots, below_m = robots + 1, ceilings_m[first]
+        first = bisect_right(low_s, below_m + ROUNDING * abs(below_m))
+    return robots, below_m
 
 
 def best_chain(way_m: Floats, spread_m: Floats, period_s: Floats, speed_m_s: float) -> int:

@@ -122,9 +122,12 @@ def lattice_places(shape: MultiPolygon, spacing_m: float) -> tuple[Floats, Ints,
     xs = (x0 + x1) / 2 + (np.arange(columns) - (columns - 1) / 2) * spacing_m
     ys = (y0 + y1) / 2 + (np.arange(rows) - (rows - 1) / 2) * spacing_m
     shapely.prepare(shape)
-    inside = [np.flatnonzero(shapely.contains_xy(shape, xs, np.full(columns, y))) for y in ys]
-    row = np.repeat(np.arange(rows, dtype=np.int64), [len(found) for found in inside])
-    column = np.concatenate(inside).astype(np.int64)
+    some = max(1, TOGETHER // columns)  # rows that are asked together, of narrow ground
+    inside = [
+        first * columns + np.flatnonzero(shapely.contains_xy(shape, *np.meshgrid(xs, ys[first : first + some])))
+        for first in range(0, rows, some)
+    ]
+    row, column = np.divmod(np.concatenate(inside).astype(np.int64), columns)
     return np.column_stack([xs[column], ys[row]]), row, column
 
 
