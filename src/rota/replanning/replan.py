@@ -228,11 +228,11 @@ class _Search:
         """Search for rounds for a mission, which may ask for less than the situation's; whether any were found."""
         from rota.planning.make_plan import search_plan
 
-        has_rounds = False
+        found: list[Plan] = []
 
         def note(plan: Plan, report: Report) -> None:
-            nonlocal has_rounds
-            has_rounds = True
+            """Let the robots that remain share the rounds of a plan that was found."""
+            found.append(plan)
             if as_asked:
                 ever = self._order.of_report(report)
                 if ever > self._rank[: len(ever)]:  # however robots come into such loops
@@ -250,7 +250,7 @@ class _Search:
                 on_better=note,
                 should_stop=lambda: self._stop() or self.is_done,
             )
-        return has_rounds
+        return bool(found)
 
     def _try(self, plan: Plan) -> bool:
         """Have a plan checked; True where it can be driven and is better than all before it."""
