@@ -32,7 +32,7 @@ PATROL_STAGES = [
     ["methods"],
     ["route_graph", "relief"],
     ["circuits"],
-    ["handover", "kinds", "charging"],
+    ["handover", "kinds", "charging", "best_of_efforts"],
     ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [

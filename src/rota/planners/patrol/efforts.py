@@ -134,3 +134,9 @@ EARLY = replace(
     repair=replace(EFFORTS["quick"].repair, roomy_bend_growth=1.0),
 )
 TIGHT = replace(EFFORTS["quick"].repair, rounds=4)  # of the same lanes, if these took another robot
+
+
+def lesser_efforts(effort: Effort) -> list[Effort]:
+    """The efforts below this one, the least first."""
+    names = list(EFFORTS)
+    return names[: names.index(effort)]

@@ -14,11 +14,12 @@ from rota.model.anywhere import without_starts
 from rota.model.arrays import Floats
 from rota.model.mission import Mission
 from rota.model.plan import Plan
+from rota.planners.patrol.best_of_efforts import best_of_efforts
 from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.charging import plan_that_charges
 from rota.planners.patrol.context import Context, begin_search, silent
-from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.efforts import EFFORTS, lesser_efforts
 from rota.planners.patrol.ground.pockets_in_the_way import refuse_pockets_in_the_way
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
@@ -28,7 +29,7 @@ from rota.planners.patrol.kinds.groups import differs
 from rota.planners.patrol.kinds.plan_with_kinds import plan_with_kinds
 from rota.planners.patrol.margins import with_reserve
 from rota.planners.patrol.methods.fewest.one_fewer import leave_out_needless_robots
-from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
+from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress, with_less_effort
 from rota.planners.patrol.methods.fewest.shorter_sights import with_shorter_sights
 from rota.planners.patrol.methods.fixed_team.charging_team import plan_at_best
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
@@ -50,7 +51,7 @@ from rota.planning.stopping import put_off
 def plan_patrol(request: Request) -> Plan:
     """A plan for the mission; with NoPlanFound for a fixed team that charges comes one for longer periods."""
     try:
-        return plan_any(request)
+        return best_of_efforts(request, plan_any)
     except NoPlanFound as failure:
         if not request.mission.chargers or request.mission.fleet.robots is None:
             raise
@@ -274,11 +275,24 @@ def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Rep
 
     Shorter loops may do with fewer robots; these then get loops that are better still.
     """
+    best = leave_out_by_lesser_efforts(context, best)
     better = with_better_loops(context, best)
     fewer = leave_out_needless_robots(context, better)
     if fewer is not better and not context.should_stop():
         best, better = fewer, with_better_loops(context, fewer)
     return best, better
+
+
+def leave_out_by_lesser_efforts(context: Context, best: Repaired) -> Repaired:
+    """The plan without the robots that loops spare which are shortened with lesser efforts: more never takes more."""
+    mission = context.problem.mission
+    for effort in lesser_efforts(PatrolSettings.of(mission).effort):
+        if context.should_stop() or best.robots <= context.enough_robots:
+            break
+        own = replace(with_less_effort(context, effort), progress=silent)
+        fewer = leave_out_needless_robots(own, with_better_loops(own, best))
+        best = for_mission(fewer, mission) if fewer.robots < best.robots else best
+    return best
 
 
 def first_led(plans: list[Plan], mission: Mission, judge: Judge) -> Plan:

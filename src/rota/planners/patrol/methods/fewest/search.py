@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from rota.planners.patrol.context import Context, with_best_bound
-from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.efforts import EFFORTS, lesser_efforts
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.standing import has_many_corners
@@ -32,8 +32,7 @@ def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
     ones found: more effort never takes more robots.
     """
     asked = context.problem.mission
-    names = list(EFFORTS)
-    efforts = names[: names.index(PatrolSettings.of(asked).effort) + 1]
+    efforts = [*lesser_efforts(PatrolSettings.of(asked).effort), PatrolSettings.of(asked).effort]
     # of the time that all take, measured on the harbour, each takes as much as its annealings have seeds
     work = {effort: EFFORTS[effort].multistart.seeds for effort in efforts}
     whole, done = sum(work.values()), 0.0
