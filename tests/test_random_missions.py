@@ -7,9 +7,11 @@ from dataclasses import replace
 
 import pytest
 import shapely
+from benchmarks.charging import yard
 from benchmarks.random_missions import described, is_fair, random_mission, sweeping
 from shapely import MultiPolygon, box
 
+from rota import make_plan
 from rota.model.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.planner_settings import PatrolSettings
 
@@ -107,3 +109,10 @@ def test_a_mission_is_described_in_a_few_words() -> None:
         " body 0.1 m, turning 2.0 rad/s"
     )
     assert math.isfinite(sweeping(COURT))
+
+
+@pytest.mark.slow  # two searches at normal
+def test_normal_takes_as_few_robots_as_quick() -> None:
+    """In the yard loops of normal are longer once robots take turns; the others are shorter, but spare no robot."""
+    assert len(make_plan(yard(0).with_effort("normal"))) == 2
+    assert len(make_plan(random_mission(102).with_effort("normal"))) == 4

@@ -10,7 +10,7 @@ from benchmarks.charging import yard
 from benchmarks.kinds import field
 from benchmarks.random_missions import random_mission
 
-from rota import check_plan, make_plan
+from rota import check_plan
 from rota.errors import NoPlanFound
 from rota.model.mission import Mission
 from rota.model.plan import Plan, Trajectory
@@ -113,10 +113,3 @@ def test_of_kinds_the_cheaper_fleet_is_kept() -> None:
         return Plan(mission=request.mission, trajectories=tuple(map(stands, own)))
 
     assert [way.robot for way in best_of_efforts(asked("normal", mission), plan)] == list(ways["quick"])
-
-
-@pytest.mark.slow  # two searches at normal
-def test_normal_takes_as_few_robots_as_quick() -> None:
-    """In the yard loops of normal are longer once robots take turns; the others are shorter, but spare no robot."""
-    assert len(make_plan(YARD.with_effort("normal"))) == 2
-    assert len(make_plan(random_mission(102).with_effort("normal"))) == 4
