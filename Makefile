@@ -65,10 +65,13 @@ test: setup
 types: setup
 	$(BIN)/mypy
 
-# the tests are read once before: in a new clone each process would rewrite the asserts of all of them
-suite: setup
-	-@$(BIN)/python -m pytest --collect-only >/dev/null 2>&1
+suite: .venv/read
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow and not ros"
+
+# a new clone reads its tests once before, or each process would rewrite the asserts of all of them
+.venv/read: .venv/ready
+	-@$(BIN)/python -m pytest --collect-only >/dev/null 2>&1
+	@touch $@
 
 bench: setup
 	$(BIN)/python -m benchmarks

@@ -121,7 +121,7 @@ def test_nothing_is_late_where_a_robot_is_lost_on_its_charger_with_one_to_spare(
     assert found.report.lateness.holds_again_s == 0
 
 
-@pytest.mark.parametrize("lost", ["a", "c"])
+@pytest.mark.parametrize("lost", ["a", pytest.param("c", marks=pytest.mark.slow)])
 def test_two_of_three_come_in_longer_turns_and_batteries_hold(lost: str) -> None:
     plan = relay(spare=False)
     found = replan(plan, at_s=10.0, lost=[lost])

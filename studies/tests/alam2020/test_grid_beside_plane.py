@@ -19,7 +19,7 @@ def compared(ground: MultiPolygon, turn: int, headings: int = 8) -> tuple[Cells,
 
 
 @pytest.mark.parametrize("turn", [1, 2, 3, 4, 5, 6, 7])
-@pytest.mark.parametrize(("columns", "rows"), [(5, 5), (7, 4), (9, 6)])
+@pytest.mark.parametrize(("columns", "rows"), [(5, 5), (7, 4), pytest.param(9, 6, marks=pytest.mark.slow)])
 def test_in_an_open_room_both_are_the_same(turn: int, columns: int, rows: int) -> None:
     _, both = compared(MultiPolygon([box(0, 0, columns, rows)]), turn)
     assert both.plane.unsettled_share == 0

@@ -43,7 +43,10 @@ def yard(docks: Docks, *, period_s: float, recharge_s: float, body_radius_m: flo
             yard([(30, 40), (40, 110), (170, 110)], period_s=60, recharge_s=1400, body_radius_m=0.5), 3, id="bodies"
         ),
         pytest.param(
-            yard([(30, 40), (40, 110), (170, 110), (100, 20)], period_s=30, recharge_s=700), 4, id="two loops"
+            yard([(30, 40), (40, 110), (170, 110), (100, 20)], period_s=30, recharge_s=700),
+            4,
+            id="two loops",
+            marks=pytest.mark.slow,
         ),
     ],
 )

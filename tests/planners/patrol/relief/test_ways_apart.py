@@ -21,7 +21,7 @@ from rota.routes.flights import on_charger
     [
         pytest.param(40.0, 30.0, {}, id="two loops side by side, both past the pad"),
         pytest.param(30.0, 20.0, {}, id="nobody takes off before the other has landed"),
-        pytest.param(20.0, 14.0, {}, id="a loop that is driven forth and back"),
+        pytest.param(20.0, 14.0, {}, id="a loop that is driven forth and back", marks=pytest.mark.slow),
         pytest.param(20.0, 14.0, {"turn_rate_rad_s": 1.5}, id="which takes time to turn"),
     ],
 )
