@@ -7,7 +7,7 @@ from importlib.metadata import version as version_of
 project = "Rota"
 version = release = version_of("rota")
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "jupyter_execute"]  # what this makes itself
 html_theme = "furo"
 html_title = "Rota"
 pygments_style = "friendly"
