@@ -42,8 +42,8 @@ def place_in_order(item: pytest.Item) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two processes more than cores: robots that go by real time, and browsers, keep them waiting."""
-    return (os.cpu_count() or 1) + 2
+    """One process more than cores: robots that go by real time, and browsers, keep them waiting."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

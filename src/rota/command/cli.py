@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer.main import get_command
 
 from rota.check import compiled_packages
 from rota.command.arguments import (
@@ -65,6 +67,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+command_line = cache(get_command)  # to read all functions takes as long as many a command
 
 
 def run(arguments: list[str]) -> int:
@@ -72,7 +75,7 @@ def run(arguments: list[str]) -> int:
     use_one_heap()
     try:
         with clean_end_on_terminate():
-            app(arguments, prog_name="rota")
+            command_line(app)(arguments, prog_name="rota")
     except (Exception, SystemExit) as end:
         return flush(exit_code_of(end))
     return flush(DONE)
