@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -28,6 +30,22 @@ def test_a_file_and_a_folder(tmp_path: Path) -> None:
     paths = rota.export_plan(PLAN, "waypoints", tmp_path / "lists")
     assert [path.parent for path in paths] == [tmp_path / "lists"]
     assert paths[0].read_text().startswith("QGC WPL 110")
+
+
+def test_what_is_text_in_the_shell_may_be_a_value_of_python(tmp_path: Path) -> None:
+    nowhere = replace(PLAN, mission=replace(MISSION, origin=None))
+    kml, dji = tmp_path / "plan.kml", tmp_path / "dji"
+    rota.export_plan(nowhere, "kml", kml, origin=(48, 11), start_time=datetime(2026, 5, 4, 10, tzinfo=UTC))
+    typed = kml.read_text()
+    rota.export_plan(nowhere, "kml", kml, origin="48,11", start_time="2026-05-04T10:00:00Z")
+    assert kml.read_text() == typed
+    (path,) = rota.export_plan(PLAN, "dji-wpml", dji, settings={"drone": "M30"})
+    named = path.read_bytes()
+    rota.export_plan(PLAN, "dji-wpml", dji, settings=["drone=M30"])
+    assert path.read_bytes() == named
+    for origin in ((48,), (91, 0), ("north", 3), (None, 0)):
+        with pytest.raises(RotaError, match="LAT,LON in degrees is needed"):
+            rota.export_plan(nowhere, "kml", kml, origin=origin)  # type: ignore[arg-type]
 
 
 def test_what_a_format_does_not_take_is_refused(tmp_path: Path) -> None:

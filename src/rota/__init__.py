@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from rota.check import check_plan, worst_gaps_s
     from rota.check.report import DemandVerdict, Report, Violation
     from rota.draw import animate_plan, draw_cells, draw_gaps, draw_plan
-    from rota.errors import CheckpointError, MissionError, NoPlanFound, PlanError, RotaError
+    from rota.errors import ArgumentError, CheckpointError, MissionError, NoPlanFound, PlanError, RotaError
     from rota.exports import export_plan
     from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
     from rota.files.geojson import write_geojson
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from rota.vehicles.battery_data import BatteryData
 
 __all__ = [
+    "ArgumentError",
     "BatteryData",
     "BatteryLimits",
     "BounceSettings",
@@ -109,7 +110,7 @@ _MODULES = {
     "rota.check.report": ["DemandVerdict", "Report", "Violation"],
     "rota.check": ["check_plan", "worst_gaps_s"],
     "rota.draw": ["animate_plan", "draw_cells", "draw_plan", "draw_gaps"],
-    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "CheckpointError"],
+    "rota.errors": ["ArgumentError", "MissionError", "NoPlanFound", "PlanError", "RotaError", "CheckpointError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
     "rota.files.mission_writer": ["write_mission"],
@@ -155,6 +156,10 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'rota' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)
+    if not isinstance(value, type):
+        from rota.argument_types import with_types_required
+
+        value = with_types_required(value)
     globals()[name] = value
     return value
 

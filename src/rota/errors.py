@@ -18,6 +18,10 @@ class MissionError(RotaError, ValueError):
         super().__init__("\n".join(faults))
 
 
+class ArgumentError(RotaError, TypeError):
+    """An argument of another type than a function takes: the message names it, the value and what is needed."""
+
+
 class PlanError(RotaError):
     """A plan (or plan file) that contradicts itself or its mission."""
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rota.errors import MissionError, RotaError
+from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.model.plan import Plan
@@ -198,16 +198,23 @@ class Export:
 
 
 def export_of(
-    plan: Plan, to: str, *, origin: str | None = None, start_time: str | None = None, settings: Sequence[str] = ()
+    plan: Plan,
+    to: str,
+    *,
+    origin: str | tuple[float, float] | None = None,
+    start_time: str | datetime | None = None,
+    settings: Sequence[str] | Mapping[str, object] = (),
 ) -> Export:
     """The export of a plan to a format.
 
-    origin: LAT,LON for a mission without. start_time: ISO 8601, for formats with a clock. settings: KEY=VALUE, for
-    formats that have some. RotaError for what the format does not take, by the names of the options of ``rota export``.
+    origin: latitude and longitude, or LAT,LON, for a mission without. start_time: an instant, or one in ISO 8601, for
+    formats with a clock. settings: values by their names, or KEY=VALUE, for formats that have some. RotaError for what
+    the format does not take, by the names of the options of ``rota export``.
     """
     from rota.files.timed_places import START, instant_given
 
     kind = FORMATS[export_format(to)]
+    settings = [f"{key}={value}" for key, value in settings.items()] if isinstance(settings, Mapping) else settings
     if origin is not None:
         plan = place_for(plan, origin, to)
     if start_time is not None and not kind.has_clock:
@@ -235,9 +242,9 @@ def export_plan(
     to: str,
     output: str | Path,
     *,
-    origin: str | None = None,
-    start_time: str | None = None,
-    settings: Sequence[str] = (),
+    origin: str | tuple[float, float] | None = None,
+    start_time: str | datetime | None = None,
+    settings: Sequence[str] | Mapping[str, object] = (),
 ) -> tuple[Path, ...]:
     """Write the plan in a format of ``FORMATS``, to a file or for a folder of files; returns the paths written.
 
@@ -267,23 +274,23 @@ def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:
     return {}
 
 
-def place_for(plan: Plan, origin: str, to: str) -> Plan:
+def place_for(plan: Plan, origin: str | tuple[float, float], to: str) -> Plan:
     """The plan with its mission at LAT,LON; RotaError for formats in the mission's own metres."""
     if not FORMATS[to].takes_origin:
         raise RotaError(f"--origin: {origin!r} is not allowed: {to} is in the mission's own metres")
     return placed_plan(plan, origin)
 
 
-def placed_plan(plan: Plan, origin: str) -> Plan:
+def placed_plan(plan: Plan, origin: str | tuple[float, float]) -> Plan:
     """The plan with its mission at LAT,LON; RotaError for other text, and for a mission elsewhere."""
     from dataclasses import replace
 
     from rota.model.mission import GeoPoint
 
     try:
-        lat, lon = (float(number) for number in origin.split(","))
+        lat, lon = (float(number) for number in (origin.split(",") if isinstance(origin, str) else origin))
         place = GeoPoint(lat=lat, lon=lon)
-    except (ValueError, MissionError):
+    except (TypeError, ValueError):
         raise RotaError(
             f"--origin: {origin!r} is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90"
             " and LON in -180..180"

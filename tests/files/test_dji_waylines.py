@@ -168,6 +168,15 @@ def test_heights_of_their_own_are_flown_and_one_place_makes_two_waypoints(tmp_pa
     assert [waypoint.height for waypoint in read_by_djikmz(kmz_documents(path)[0]).waypoints] == [26, 25]
 
 
+def test_a_robot_that_is_as_fast_as_dji_flies_is_so_whatever_rounding_makes_of_its_times(tmp_path: Path) -> None:
+    fast = Trajectory(robot="a", times_s=[0, 10, 20 - 2e-12], positions_m=[[0, 0], [150, 0], [0, 0]])
+    assert 150 / (fast.times_s[2] - fast.times_s[1]) > 15
+    plan = replace(two_robots(robots=("a", "b")), trajectories=(fast,))
+    (path,) = write_dji_waylines(plan, tmp_path / "dji", WaylineSettings(duration_s=1))
+    read = read_by_djikmz(kmz_documents(path)[0]).waypoints
+    assert {waypoint.speed for waypoint in read} == {15.0}
+
+
 def refused(plan: Plan, folder: Path, match: str) -> None:
     with pytest.raises(PlanError, match=match):
         write_dji_waylines(plan, folder)

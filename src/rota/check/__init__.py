@@ -98,12 +98,20 @@ def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:
     """The longest time, in seconds, that each point of (n, 2) metres is unseen, once robots are in their loops.
 
     (n,); inf: never seen. Sight is exact, and so are these at the points; ``check_plan`` judges all between them.
+    MissionError for what is no array of such points, all finite.
     """
     import numpy as np
 
     from rota.check.revisits import worst_gaps_s as gaps_s
+    from rota.errors import MissionError
 
-    return gaps_s(plan, np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2))
+    try:
+        places_m = np.ascontiguousarray(points_m, dtype=np.float64)
+    except (TypeError, ValueError):
+        places_m = np.full(1, np.nan)
+    if not (places_m.size == 0 or places_m.shape[1:] == (2,)) or not np.isfinite(places_m).all():
+        raise MissionError(f"points_m: {points_m!r} is not allowed; finite numbers in an array of (n, 2) are needed")
+    return gaps_s(plan, places_m.reshape(-1, 2))
 
 
 def load() -> None:

@@ -34,6 +34,7 @@ from rota.check.standing_still import standing_violations
 from rota.check.tiled_ground import FINEST_M, findings_by_group
 from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
+from rota.errors import MissionError
 from rota.model.mission import Mission, StartBox, StartPoints
 from rota.model.plan import Plan
 from rota.model.violation_kinds import ViolationKind
@@ -68,10 +69,13 @@ class Verdicts:
 def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[], None] | None = None) -> Report:
     """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
 
-    finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
-    excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size. A plan
-    without trajectories sees nothing. on_the_way: called now and then; what it raises ends the check without a verdict.
+    finest_m: size in metres, greater than 0, below which pieces are not cut any more; what is then still open is "not
+    proven". The excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size.
+    A plan without trajectories sees nothing. on_the_way: called now and then; what it raises ends the check without a
+    verdict.
     """
+    if not 0 < finest_m < math.inf:
+        raise MissionError(f"finest_m: {finest_m!r} is not allowed; must be a finite number greater than 0")
     mission = plan.mission
     demands = demands_of(mission)
     with ThreadPoolExecutor(max_workers=1) as pool:

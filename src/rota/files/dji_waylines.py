@@ -7,6 +7,7 @@ ends, since it cannot jump back: it holds a number of whole rounds.
 from __future__ import annotations
 
 import io
+import math
 import os
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -123,7 +124,11 @@ def _on_globe(robot: str, stops: Sequence[RouteStop], projection: Projection) ->
     places_m = np.array([stop.place_m for stop in stops])
     lon, lat = projection.to_degrees(places_m[:, 0], places_m[:, 1])
     legs_m = np.linalg.norm(np.diff(places_m, axis=0), axis=1)
-    speeds_m_s = [stop.speed_m_s or 0.0 for stop in stops[1:]]
+    # what is driven at the most that DJI takes is above it by rounding
+    speeds_m_s = [
+        MOST_SPEED_M_S if math.isclose(speed, MOST_SPEED_M_S, rel_tol=1e-9) else speed
+        for speed in (stop.speed_m_s or 0.0 for stop in stops[1:])
+    ]
     _require_flyable(robot, max(speeds_m_s), float(places_m[:, 2].max()))
     begin_m = np.maximum(TURN_M, [stop.curve_m for stop in stops[1:-1]])
     turns_m = np.minimum(begin_m, SHARE_OF_LEG * np.minimum(legs_m[:-1], legs_m[1:])).tolist()

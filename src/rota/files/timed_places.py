@@ -28,10 +28,10 @@ class TimedRoute:
     instants: list[str]
 
 
-def instant_given(text: str, where: str) -> datetime:
-    """An instant in ISO 8601; without a zone it is UTC. Raises RotaError for other text, which names ``where``."""
+def instant_given(text: str | datetime, where: str) -> datetime:
+    """An instant, or one in ISO 8601; without a zone it is UTC. RotaError for other text, which names ``where``."""
     try:
-        instant = datetime.fromisoformat(text)
+        instant = text if isinstance(text, datetime) else datetime.fromisoformat(text)
         return (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).astimezone(UTC)
     except (ValueError, OverflowError):
         raise RotaError(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
+from rota.model.refusals import require
 from rota.planning.better_plans import BetterPlans, OnBetter, checked_state
 from rota.planning.planner import Answer, Planner, Request, planner_of
 from rota.planning.progress import Watch
@@ -97,11 +98,12 @@ def search_plan(
     What is done there tells ``watch`` nothing, and ``on_better`` only what passed.
 
     Raises NoPlanFound (with the best plan there is, and its report) when no plan passes the check; MissionError for a
-    time limit that is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another
-    one or seed.
+    seed below 0, a time limit that is not greater than 0 or a mission that the planner cannot use; CheckpointError for
+    a run of another one or seed.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
+    require(seed >= 0, "seed", seed, "must be at least 0")
     planner = planner_of(mission)
     _mention_compiling(planner, mission)
     _require_runs(mission, resumes=resume is not None, observed=observe is not None)
