@@ -1,12 +1,24 @@
-"""Trajectories of accelerated legs."""
+"""Trajectories of accelerated legs, and what plans and trajectories refuse."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+import shapely
 
 from rota.errors import PlanError
-from rota.model.plan import Trajectory
+from rota.model.mission import DiscSensor, Fleet, Mission
+from rota.model.plan import Plan, Trajectory
+
+MISSION = Mission(
+    name="yard",
+    area=shapely.box(0, 0, 20, 10),
+    period_s=60,
+    fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=4)),
+)
+LOOP: dict[str, Any] = {"robot": "a", "times_s": [0, 1, 2], "positions_m": [[0, 0], [1, 0], [0, 0]]}
 
 
 def test_a_leg_from_rest_to_rest_of_its_end_is_a_parabola_in_time() -> None:
@@ -36,3 +48,45 @@ def test_far_away_a_leg_may_begin_at_rest_as_rounding_leaves_it() -> None:
         assert trajectory.bends[0] == pytest.approx(1, abs=1e-7)
         with pytest.raises(PlanError, match="backwards"):
             Trajectory(robot="a", times_s=[0, lasts_s * (1 + 1e-6)], **told | {"loop_start_s": lasts_s * (1 + 1e-6)})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"robot": 3}, "robot: 3 is not allowed; text is needed"),
+        ({"times_s": "x"}, "robot a: times_s: 'x' is not allowed; numbers are needed"),
+        ({"positions_m": [[0, 0], [1]]}, "robot a: positions_m: [[0, 0], [1]] is not allowed; numbers are needed"),
+        ({"headings_rad": {}}, "robot a: headings_rad: {} is not allowed; numbers are needed"),
+        ({"loop_start_s": None}, "robot a: loop_start_s: None is not allowed; a number is needed"),
+        ({"charges": 3}, "robot a: charges: 3 is not allowed; a Charge is needed"),
+        ({"battery": "full"}, "robot a: battery = 'full'; 0 (empty) to 1 (full) is needed"),
+    ],
+)
+def test_a_trajectory_refuses_what_is_of_another_type(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(PlanError) as caught:
+        Trajectory(**LOOP | given)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"mission": None}, "mission: None is not allowed; a Mission is needed"),
+        ({"trajectories": 3}, "trajectories: 3 is not allowed; a Trajectory is needed"),
+        ({"trajectories": ["a"]}, "trajectories: 'a' is not allowed; a Trajectory is needed"),
+        ({"seed": 1.5}, "seed: 1.5 is not allowed; a whole number is needed"),
+        ({"lower_bound_robots": -1}, "lower_bound_robots: -1 is not allowed; it must be at least 0"),
+        ({"lower_bound_reason": 3}, "lower_bound_reason: 3 is not allowed; text is needed"),
+        ({"seam": 3}, "seam: 3 is not allowed; a Seam is needed"),
+        ({"run_end": "rest"}, "run_end: 'rest' is not allowed; a RunEnd is needed"),
+    ],
+)
+def test_a_plan_refuses_what_is_of_another_type(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(PlanError) as caught:
+        Plan(**{"mission": MISSION, "trajectories": (Trajectory(**LOOP),)} | given)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_plan_takes_a_list_of_trajectories_and_numbers_of_numpy() -> None:
+    plan = Plan(mission=MISSION, trajectories=[Trajectory(**LOOP)], seed=np.int64(3), lower_bound_robots=np.int32(1))  # type: ignore[arg-type]
+    assert plan == Plan(mission=MISSION, trajectories=(Trajectory(**LOOP),), seed=3, lower_bound_robots=1)

@@ -11,11 +11,12 @@ import numpy as np
 
 from rota.errors import PlanError
 from rota.model.arrays import Floats as Floats
-from rota.model.fields import field_of
+from rota.model.fields import field_of, fields_of
 from rota.model.limits import FAR_FROM_AREA_M
 from rota.model.mission import Mission
+from rota.model.refusals import refusal
 from rota.model.seam import Driven as Driven, Seam as Seam
-from rota.model.trajectory import Charge as Charge, Trajectory as Trajectory, Waypoints as Waypoints
+from rota.model.trajectory import Charge as Charge, Trajectory as Trajectory, Waypoints as Waypoints, parts_in
 
 if TYPE_CHECKING:
     import pandas
@@ -128,6 +129,7 @@ class Plan:
     trajectories: tuple[Trajectory, ...] = field_of(key="robots", count=((0, None),))
 
     def __post_init__(self) -> None:
+        self._require_types()
         counted = Counter(trajectory.robot for trajectory in self.trajectories)
         for name, count in counted.items():
             if count > 1:
@@ -152,6 +154,17 @@ class Plan:
                         f"robot {way.robot}: charges[{k}].charger: {charge.charger!r} is not allowed; the"
                         f" mission has {', '.join(map(repr, known)) or 'no chargers'}"
                     )
+
+    def _require_types(self) -> None:
+        """Raise PlanError for what is of another type than its field is declared with."""
+        parts_in((self.mission,), Mission, "mission")
+        object.__setattr__(self, "trajectories", parts_in(self.trajectories, Trajectory, "trajectories"))
+        parts_in(() if self.seam is None else (self.seam,), Seam, "seam")
+        parts_in(() if self.run_end is None else (self.run_end,), RunEnd, "run_end")
+        for item in fields_of(Plan):
+            if item.name in ("seed", "lower_bound_robots", "lower_bound_reason", "lower_bound_cost"):
+                for _, part, fault in item.faults(getattr(self, item.name)):
+                    raise PlanError(f"{item.name}: {refusal(fault.kind, part, fault.given)}")
 
     @property
     def heeds_motion(self) -> bool:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from numbers import Real
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -12,7 +14,9 @@ from rota.errors import PlanError
 from rota.model.arrays import Floats
 from rota.model.fields import field_of
 from rota.model.limits import LARGEST_M, LONGEST_S, SHORTEST_LOOP_S
+from rota.model.refusals import shorten
 
+Part = TypeVar("Part")
 Place = tuple[float, float]
 PLACES: dict[str, Any] = {"least": -LARGEST_M, "most": LARGEST_M}
 TIMES: dict[str, Any] = {"least": 0, "most": LONGEST_S}
@@ -27,6 +31,23 @@ def freeze(values: object) -> Floats:
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
+
+
+def numbers_in(values: object, where: str) -> Floats:
+    """The same array; PlanError that names the place for what is none of numbers."""
+    try:
+        return freeze(values)
+    except (TypeError, ValueError):
+        raise PlanError(f"{where}: {shorten(repr(values))} is not allowed; numbers are needed") from None
+
+
+def parts_in(values: Iterable[Part], kind: type[Part], where: str) -> tuple[Part, ...]:
+    """A tuple of them; PlanError that names the place for what is of another type."""
+    parts = tuple(values) if isinstance(values, Iterable) else (values,)
+    for part in parts:
+        if not isinstance(part, kind):
+            raise PlanError(f"{where}: {shorten(repr(part))} is not allowed; a {kind.__name__} is needed")
+    return parts
 
 
 def bends_of(times_s: Floats, positions_m: Floats, accelerations_m_s2: Floats | None) -> Floats:
@@ -50,7 +71,7 @@ def forward_accelerations(times_s: Floats, positions_m: Floats, accelerations_m_
 
 def require_battery(who: str, times_s: Floats, charges: tuple[Charge, ...], battery: float) -> None:
     """Raise PlanError for charges that overlap, or begin or end between two of the times, and for no share of 1."""
-    if not 0 <= battery <= 1:
+    if not (isinstance(battery, Real) and 0 <= battery <= 1):
         raise PlanError(f"{who}: battery = {battery!r}; 0 (empty) to 1 (full) is needed")
     ended_s = float(times_s[0])
     for k, charge in enumerate(charges):
@@ -157,12 +178,16 @@ class Trajectory:
     battery: float = field_of(1.0, "how full it is at the first time; absent: full", **SHARE)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times_s", freeze(self.times_s))
-        object.__setattr__(self, "positions_m", freeze(self.positions_m))
-        if self.headings_rad is not None:
-            object.__setattr__(self, "headings_rad", freeze(self.headings_rad))
-        if self.accelerations_m_s2 is not None:
-            object.__setattr__(self, "accelerations_m_s2", freeze(self.accelerations_m_s2))
+        if not isinstance(self.robot, str):
+            raise PlanError(f"robot: {shorten(repr(self.robot))} is not allowed; text is needed")
+        for name in ("times_s", "positions_m", "headings_rad", "accelerations_m_s2"):
+            values = getattr(self, name)
+            if values is not None or name in ("times_s", "positions_m"):
+                object.__setattr__(self, name, numbers_in(values, f"robot {self.robot}: {name}"))
+        if not isinstance(self.loop_start_s, Real):
+            raise PlanError(
+                f"robot {self.robot}: loop_start_s: {self.loop_start_s!r} is not allowed; a number is needed"
+            )
         object.__setattr__(self, "loop_start_s", float(self.loop_start_s))
         times, positions = self.times_s, self.positions_m
         if times.ndim != 1 or not len(times):
@@ -203,7 +228,7 @@ class Trajectory:
                 f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
             )
         self._require_forward()
-        object.__setattr__(self, "charges", tuple(self.charges))
+        object.__setattr__(self, "charges", parts_in(self.charges, Charge, f"robot {self.robot}: charges"))
         require_battery(f"robot {self.robot}", times, self.charges, self.battery)
 
     def _require_forward(self) -> None:
