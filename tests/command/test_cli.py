@@ -631,7 +631,7 @@ def test_check_reads_stdin(
         (["check", "none.json"], "none.json: no such file; a plan file"),
         (["check", "yard.yaml"], "yard.yaml:1:1: not JSON"),
         (["draw", "yard.rota.json", "-o", "p.bmp"], "'.bmp' is no format for a picture; .png, .svg or .pdf is needed"),
-        (["draw", "yard.rota.json", "-o", "p"], "p: no suffix is no format for a picture"),
+        (["draw", "yard.rota.json", "-o", "p"], "p: has no suffix, which tells the format of a picture; .png, .svg or"),
         (["draw", "none.json", "-o", "p.png"], "none.json: no such file; a plan file"),
         (["draw", "yard.rota.json", "-o", "none/p.png"], "there is no folder"),
         (["animate", "yard.rota.json", "-o", "p.avi"], "'.avi' is no format for a film; .gif or .mp4 is needed"),

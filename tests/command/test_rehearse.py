@@ -46,7 +46,7 @@ def test_a_rehearsal_is_told_drawn_and_given_as_json(
         (["--failures-per-hour", "-1"], "--failures-per-hour: -1 is not allowed"),
         (["--wind", "1,1e300"], "--wind: '1,1e300' is not allowed"),
         (["--runs", "1e3"], '--runs: "1e3" is not allowed; a whole number is needed'),
-        (["-o", ""], "an empty path: no suffix is no format for a picture"),
+        (["-o", ""], "an empty path: has no suffix, which tells the format of a picture"),
         (["--hours", "0"], "--hours: 0 is not allowed; must be a finite number greater than 0"),
         (["--runs", "0"], "--runs: 0 is not allowed; must be 1 to 100000"),
         (["--speed-noise", "much"], "--speed-noise: 'much' is not allowed; a share is needed, such as 5% or 0.05"),

@@ -108,9 +108,9 @@ def require_suffix(path: str | os.PathLike[str], allowed: tuple[str, ...], what:
     """The suffix of ``path`` in lower case; raises RotaError when it is none of ``allowed`` for ``what``."""
     suffix = Path(path).suffix
     if suffix.lower() not in allowed:
-        given = repr(suffix) if suffix else "no suffix"
+        given = f"{suffix!r} is no format for {what}" if suffix else f"has no suffix, which tells the format of {what}"
         needed = " or ".join([", ".join(allowed[:-1]), allowed[-1]] if len(allowed) > 1 else allowed)
-        raise RotaError(f"{path or 'an empty path'}: {given} is no format for {what}; {needed} is needed")
+        raise RotaError(f"{path or 'an empty path'}: {given}; {needed} is needed")
     return suffix.lower()
 
 
