@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rota.compiled import source_stamp as stamps
-from rota.compiled.source_stamp import changed_since, imports_of, meanings_of, source_stamp
+from rota.compiled.source_stamp import SOURCE, changed_since, imports_of, meanings_of, source_stamp
 
 TEXTS = {
     "a_kernels": "from rota.b_kernels import (\n    b,\n)\n",
@@ -59,6 +59,28 @@ def test_what_a_file_of_another_distribution_imports_of_its_own_counts_as_well(t
     assert changed != before
     files["c_kernels"].write_text("C = 2\n")
     assert stamp(kernels, tmp_path / "src") != changed
+
+
+def test_what_is_imported_for_types_alone_does_not_count(tmp_path: Path) -> None:
+    files = written(tmp_path)
+    shown = (
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:  # why\n    from rota.c_kernels import C\n\n    D = 1\n"
+    )
+    files["unrelated_kernels"].write_text(f"{shown}\nfrom rota.b_kernels import b\n")
+    imports_of.cache_clear()
+    assert imports_of(files["unrelated_kernels"], tmp_path) == {files["b_kernels"]}
+
+
+def test_no_kernel_is_compiled_anew_when_missions_or_plans_get_a_field() -> None:
+    """What kernels import, at whatever distance, is of kernels, constants and kinds of arrays."""
+    imports_of.cache_clear()
+    for file in SOURCE.rglob("*kernels.py"):
+        found, new = set[Path](), {file}
+        while new:
+            found |= new
+            new = {other for one in new for other in imports_of(one)} - found
+        models = {other.name for other in found if other.parent.name == "model"}
+        assert models <= {"arrays.py", "limits.py"}, file
 
 
 def test_comments_docstrings_and_layout_do_not_count(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
+TRANSIENT, LOOP, HOLD = 0, 1, 2  # legs before a loop, in its first turn, and of a robot that stays for ever
+
 
 class Grid(NamedTuple):
     """Square cells over all places that are asked: (x0_m, y0_m) is the lower left corner, ``cell_m`` a cell's side.

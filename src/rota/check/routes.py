@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import get_coordinates, get_parts, get_rings, linestrings, points
 
-from rota.check.arrays import Flags, Floats, Ints
+from rota.check.arrays import HOLD as HOLD, LOOP as LOOP, TRANSIENT as TRANSIENT, Flags, Floats, Ints
 from rota.check.tolerances import FLOAT_EPS, SAME_RATIO, SAME_STEP
 from rota.model.mission import DiscSensor
 from rota.model.plan import Plan
 
-TRANSIENT, LOOP, HOLD = 0, 1, 2
 LARGEST_DENOMINATOR = 64
 MOST_STEPS = 100_000  # of a loop on a grid
 

@@ -6,9 +6,12 @@ other way: they withhold something from the plan, so that rounding never shows a
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from rota.model.mission import Mission
+if TYPE_CHECKING:  # kernels that import a tolerance are not compiled anew when missions get another field
+    from rota.model.mission import Mission
 
 FLOAT_EPS = float(np.finfo(np.float64).eps)  # float64 rounds a number by up to this share of it
 

@@ -24,14 +24,15 @@ STAMP_DIGITS = 12
 MEANINGS = "meanings"  # where hashes of meanings are kept, by those of contents: parsing takes 0.4 s
 MOST_MEANINGS = 4000
 DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+_FOR_TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?:(?: .*)?\n)*", re.MULTILINE)
 _IMPORT = re.compile(r"^ *(?:from|import) (rota[\w.]*)(?: import ([\w, ]+|\([^)]*\)))?", re.MULTILINE)
 
 
 @cache
 def imports_of(file: Path, source: Path = SOURCE) -> frozenset[Path]:
-    """The files that a file imports, of rota and of the distribution that it is in."""
+    """The files that a file imports when it runs, of rota and of the distribution that it is in."""
     named: set[str] = set()
-    for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
+    for module, names in _IMPORT.findall(_FOR_TYPES.sub("", file.read_text(encoding="utf-8"))):
         named |= {module, *(f"{module}.{name}" for name in re.findall(r"\w+", names))}
     roots = {source, root_of(file)}
     paths = {root.joinpath(*name.split(".")).with_suffix(".py") for name in named for root in roots}

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.check.arrays import Parts
+from rota.check.arrays import HOLD, LOOP, Parts
 from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts
-from rota.check.routes import HOLD, LOOP
 from rota.check.shadow_kernels import shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.timing_kernels import time_along

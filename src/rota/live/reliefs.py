@@ -16,12 +16,12 @@ import numpy as np
 from rota.links.link import Dock
 from rota.live.notices import Notice, NoticeKind, RobotState
 from rota.model.fleet import Robot
+from rota.model.limits import KEPT_SHARE
 from rota.model.plan import Plan, Trajectory
 from rota.routes.charging_legs import ChargingLegs, charging_legs
 
 AT_CHARGER_M = 2.0  # from it, within which a robot comes to it, and from where it stood, beyond which it has left
 SOON_S = 5.0  # by which a robot may be there before the plan has it
-KEPT_SHARE = 0.05  # of what a robot needs to come to its charger: so much more is left when it waits no longer
 TOLD_SHARE = 0.01  # of a battery, to which many robots tell their charge
 AHEAD_S = 1.0  # of the clock of all, from which on it is told that a robot does not wait
 FLYING_MODES = (None, "ready", "running")

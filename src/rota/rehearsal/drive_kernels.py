@@ -11,8 +11,8 @@ import numpy as np
 from rota.check.tolerances import BATTERY_S, SAME_TIME
 from rota.compiled.by_reference import by_reference
 from rota.compiled.kernel import kernel
-from rota.live.reliefs import KEPT_SHARE
 from rota.model.arrays import Floats, Ints
+from rota.model.limits import KEPT_SHARE
 
 
 @by_reference
