@@ -96,7 +96,7 @@ def test_the_robot_that_is_drawn_is_where_it_should_be(strip: Plan):
 
 @pytest.mark.parametrize("name", ["film.avi", "film.png", "film"])
 def test_another_suffix_is_refused(yard: Plan, tmp_path: Path, name: str):
-    with pytest.raises(RotaError, match=r"no format for a film; \.gif or \.mp4 is needed"):
+    with pytest.raises(RotaError, match=r"format (for|of) a film; \.gif or \.mp4 is needed"):
         animate_plan(yard, tmp_path / name)
     assert not list(tmp_path.iterdir())
 
