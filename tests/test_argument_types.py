@@ -58,6 +58,7 @@ def test_messages_say_what_to_give() -> None:
     refused("late: ['robot-1'] is not allowed; a mapping is needed", "replan", PLAN, at_s=1, late=["robot-1"])
     refused("hands_off: 1 is not allowed; True or False is needed", "rehearse", PLAN, hands_off=1)
     refused("path: 3 is not allowed; text or a path is needed", "read_plan", 3)
+    refused("ax: 3 is not allowed; an Axes of matplotlib is needed", "draw_plan", PLAN, ax=3)
 
 
 def test_values_out_of_range_are_refused_too() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import datetime
 from functools import cache, wraps
@@ -99,6 +100,9 @@ def _is_a(value: object, kind: str) -> bool | None:
             return isinstance(value, tuple)
         case "datetime":
             return isinstance(value, datetime)
+        case "Axes":
+            drawing = sys.modules.get("matplotlib.axes")  # where it is not loaded, there are no axes
+            return drawing is not None and isinstance(value, drawing.Axes)
         case _ if kind in _CALLED:
             return callable(value)
         case _ if kind in _HOMES:
@@ -117,6 +121,6 @@ def _words_for(kind: str) -> str:
         "bool": "True or False", "int": "a whole number", "float": "a number", "str": "text", "Path": "a path",
         "FilePath": "a path", "PathLike[str]": "a path", "Mapping": "a mapping", "tuple": "a tuple",
         "Iterable[str]": "a list of text", "Sequence[str]": "a list of text",
-        "datetime": "a datetime",
+        "datetime": "a datetime", "Axes": "an Axes of matplotlib",
     }  # fmt: skip
     return words.get(kind, "what can be called" if kind in _CALLED else f"a rota.{kind}")

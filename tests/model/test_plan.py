@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from rota.errors import PlanError
+from rota.errors import ArgumentError, PlanError
 from rota.model.mission import DiscSensor, Fleet, Mission
 from rota.model.plan import Plan, Trajectory
 
@@ -28,6 +28,12 @@ def test_a_leg_from_rest_to_rest_of_its_end_is_a_parabola_in_time() -> None:
     at_s = np.array([0.5, 1, 2, 3, 5])
     assert trajectory.at(at_s)[:, 0] == pytest.approx([0.25, 1, 4, 1, 1])  # a t^2 / 2; 4 - 4 u + u^2 on the way back
     assert trajectory.at(1).tolist() == [1, 0]
+
+
+@pytest.mark.parametrize("asked", ["soon", None, [0, "soon"], float("nan"), [0, float("inf")]])
+def test_what_is_no_time_has_no_place(asked: object) -> None:
+    with pytest.raises(ArgumentError, match="^times_s: .* is not allowed; finite numbers of seconds are needed$"):
+        Trajectory(**LOOP).at(asked)
 
 
 def test_a_leg_that_would_begin_backwards_is_refused() -> None:
@@ -90,3 +96,8 @@ def test_a_plan_refuses_what_is_of_another_type(given: dict[str, Any], message: 
 def test_a_plan_takes_a_list_of_trajectories_and_numbers_of_numpy() -> None:
     plan = Plan(mission=MISSION, trajectories=[Trajectory(**LOOP)], seed=np.int64(3), lower_bound_robots=np.int32(1))  # type: ignore[arg-type]
     assert plan == Plan(mission=MISSION, trajectories=(Trajectory(**LOOP),), seed=3, lower_bound_robots=1)
+
+
+def test_a_plan_has_robots_by_name_and_its_trajectories() -> None:
+    plan = Plan(mission=MISSION, trajectories=(Trajectory(**LOOP),))
+    assert ("a" in plan, plan["a"] in plan, "b" in plan, 0 in plan) == (True, True, False, False)

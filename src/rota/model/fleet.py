@@ -286,7 +286,8 @@ class Fleet(Abilities):
         found = next((kind for kind in self.kinds if kind.name == own and number.isdecimal() and int(number) > 0), None)
         if found is None:
             called = " or ".join(f"{kind.name}-1, {kind.name}-2, ..." for kind in self.kinds)
-            raise MissionError(f"fleet.kinds: robot {name!r} is of none of them; theirs are called {called}")
+            theirs = f"theirs are called {called}" if called else "the fleet has no kinds"
+            raise MissionError(f"fleet.kinds: robot {name!r} is of none of them; {theirs}")
         return found
 
     def changing_speed_at_once(self) -> Fleet:

@@ -184,6 +184,10 @@ class Plan:
     def __bool__(self) -> bool:
         return True  # a plan without robots is a plan
 
+    def __contains__(self, robot: object) -> bool:
+        """Whether a robot of this name has a trajectory here, or whether this trajectory is one of the plan's."""
+        return any(each.robot == robot or each == robot for each in self)
+
     def __getitem__(self, robot: str) -> Trajectory:
         """The trajectory of the robot of this name; KeyError names those that there are."""
         for trajectory in self.trajectories:

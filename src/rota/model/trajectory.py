@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rota.errors import PlanError
+from rota.errors import ArgumentError, PlanError
 from rota.model.arrays import Floats
 from rota.model.fields import field_of
 from rota.model.limits import LARGEST_M, LONGEST_S, SHORTEST_LOOP_S
@@ -39,6 +39,17 @@ def numbers_in(values: object, where: str) -> Floats:
         return freeze(values)
     except (TypeError, ValueError):
         raise PlanError(f"{where}: {shorten(repr(values))} is not allowed; numbers are needed") from None
+
+
+def _times_in(values: object) -> Floats:
+    """The times that somebody asks for; ArgumentError for what is none, or not finite."""
+    try:
+        times_s = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        times_s = None
+    if values is None or times_s is None or not np.isfinite(times_s).all():
+        raise ArgumentError(f"times_s: {shorten(repr(values))} is not allowed; finite numbers of seconds are needed")
+    return times_s
 
 
 def parts_in(values: Iterable[Part], kind: type[Part], where: str) -> tuple[Part, ...]:
@@ -268,9 +279,9 @@ class Trajectory:
     def at(self, times_s: object) -> Floats:
         """Positions (..., d) in metres at the times (...) in seconds, a number or an array, in any round.
 
-        Before 0 the robot is where it begins.
+        Before 0 the robot is where it begins. Raises ArgumentError for what is no time.
         """
-        asked_s = np.asarray(times_s, dtype=np.float64)
+        asked_s = _times_in(times_s)
         if self.loop_duration_s > 0:
             late = asked_s > self.loop_start_s
             again_s = self.loop_start_s + np.mod(asked_s - self.loop_start_s, self.loop_duration_s)
