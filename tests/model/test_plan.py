@@ -32,7 +32,7 @@ def test_a_leg_from_rest_to_rest_of_its_end_is_a_parabola_in_time() -> None:
 
 @pytest.mark.parametrize("asked", ["soon", None, [0, "soon"], float("nan"), [0, float("inf")]])
 def test_what_is_no_time_has_no_place(asked: object) -> None:
-    with pytest.raises(ArgumentError, match="^times_s: .* is not allowed; finite numbers of seconds are needed$"):
+    with pytest.raises(ArgumentError, match=r"^times_s: .* is not allowed; finite numbers of seconds are needed$"):
         Trajectory(**LOOP).at(asked)
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from shapely import MultiPolygon, difference, distance, intersection, points, union_all
+from shapely import MultiPolygon, difference, dwithin, intersection, points, prepare, union_all
 
-from rota.check.arrays import Floats
+from rota.check.arrays import Floats, Ints
 from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
 from rota.model.mission import AREA, Demand, Mission, Obstacle, Zone
@@ -92,37 +92,55 @@ def visits(legs_m: Floats, region: Any, slack_m: float) -> list[tuple[int, float
         return parts
     x0, y0, x1, y1 = region.bounds
     low, high = np.minimum(legs_m[:, :2], legs_m[:, 2:]), np.maximum(legs_m[:, :2], legs_m[:, 2:])
-    near = (low <= [x1 + slack_m, y1 + slack_m]).all(axis=1) & (high >= [x0 - slack_m, y0 - slack_m]).all(axis=1)
-    for m in np.flatnonzero(near):
-        parts += [(int(m), lo, hi) for lo, hi in _inside(legs_m[m], region, sides, slack_m)]
+    reached = (low <= [x1 + slack_m, y1 + slack_m]).all(axis=1) & (high >= [x0 - slack_m, y0 - slack_m]).all(axis=1)
+    near = np.flatnonzero(reached)
+    prepare(region)
+    at_once = max(1, 1_000_000 // len(sides))  # of which all sides are looked at together
+    for k in range(0, len(near), at_once):
+        legs = near[k : k + at_once]
+        which, begins, ends = _inside(legs_m[legs], region, sides, slack_m)
+        parts += zip(legs[which].tolist(), begins.tolist(), ends.tolist(), strict=True)
     return parts
 
 
-def _inside(leg: Floats, region: Any, sides: Floats, slack_m: float) -> list[tuple[float, float]]:
-    """The parts from..to, in 0..1 and rising, of a leg (4,) within slack_m of a region; sides: (s, 4) of its border."""
-    start, along = leg[:2], leg[2:] - leg[:2]
-    across = sides[:, 2:] - sides[:, :2]
-    offset = sides[:, :2] - start
-    turn = along[0] * across[:, 1] - along[1] * across[:, 0]
+def _inside(legs_m: Floats, region: Any, sides: Floats, slack_m: float) -> tuple[Ints, Floats, Floats]:
+    """The parts of legs (n, 4) within slack_m of a region: of which leg, from and to in 0..1 of it, rising.
+
+    sides: (s, 4) of its border.
+    """
+    leg, share = _stops(legs_m, sides, slack_m)
+    start, along = legs_m[leg, :2], legs_m[leg, 2:] - legs_m[leg, :2]
+    near = dwithin(region, points(start + share[:, None] * along), slack_m)
+    middles = start[:-1] + ((share[1:] + share[:-1]) / 2)[:, None] * along[:-1]
+    # to the next stop of the same leg
+    goes_on = np.append((leg[1:] == leg[:-1]) & dwithin(region, points(middles), slack_m), False)
+    came = np.append(False, goes_on[:-1])
+    first, last = np.flatnonzero((near | goes_on) & ~came), np.flatnonzero((near | came) & ~goes_on)
+    return leg[first], share[first], share[last]
+
+
+def _stops(legs_m: Floats, sides: Floats, slack_m: float) -> tuple[Ints, Floats]:
+    """Where legs (n, 4) may enter or leave a region, and both ends of each: of which leg, and the share of it, rising.
+
+    That is where they cross its sides (s, 4) and where they pass the ends of these.
+    """
+    start, along = legs_m[:, None, :2], legs_m[:, None, 2:] - legs_m[:, None, :2]
+    across, offset = sides[:, 2:] - sides[:, :2], sides[:, :2] - start
+    turn = along[..., 0] * across[:, 1] - along[..., 1] * across[:, 0]
+    length2 = (along**2).sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        u = (offset[:, 0] * across[:, 1] - offset[:, 1] * across[:, 0]) / turn
-        v = (offset[:, 0] * along[1] - offset[:, 1] * along[0]) / turn
-        length2 = float(along @ along)
-        ends = [((sides[:, k : k + 2] - start) @ along) / length2 for k in (0, 2)]
+        u = (offset[..., 0] * across[:, 1] - offset[..., 1] * across[:, 0]) / turn
+        v = (offset[..., 0] * along[..., 1] - offset[..., 1] * along[..., 0]) / turn
+        passed = [((sides[:, k : k + 2] - start) * along).sum(axis=2) / length2 for k in (0, 2)]
     margin = slack_m / np.sqrt((across**2).sum(axis=1))
-    crossings = u[(turn != 0) & (v >= -margin) & (v <= 1 + margin) & (u > 0) & (u < 1)]
-    stops = np.concatenate([crossings, *(end[(end > 0) & (end < 1)] for end in ends), [0.0, 1.0]])
-    stops = np.unique(stops)
-    middles = start + ((stops[1:] + stops[:-1]) / 2)[:, None] * along
-    near = distance(region, points(start + stops[:, None] * along)) <= slack_m
-    between = distance(region, points(middles)) <= slack_m
-    parts = [(float(stops[k]), float(stops[k])) for k in np.flatnonzero(near)]
-    parts += [(float(stops[k]), float(stops[k + 1])) for k in np.flatnonzero(between)]
-    parts.sort()
-    merged: list[tuple[float, float]] = []
-    for lo, hi in parts:
-        if merged and lo <= merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(hi, merged[-1][1]))
-        else:
-            merged.append((lo, hi))
-    return merged
+    crossed = (turn != 0) & (v >= -margin) & (v <= 1 + margin)
+    every = np.arange(len(legs_m))
+    found = [(every, np.zeros(len(every))), (every, np.ones(len(every)))]
+    for shares, chosen in ((u, crossed), *((each, np.isfinite(each)) for each in passed)):
+        within = chosen & (shares > 0) & (shares < 1)
+        found.append((np.nonzero(within)[0], shares[within]))
+    leg, share = (np.concatenate(each) for each in zip(*found, strict=True))
+    order = np.lexsort((share, leg))
+    leg, share = leg[order], share[order]
+    new = np.append(True, (leg[1:] != leg[:-1]) | (share[1:] != share[:-1]))
+    return leg[new], share[new]

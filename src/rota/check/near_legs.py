@@ -2,7 +2,9 @@
 
 One tree of all legs would give each robot's legs as pairs with themselves: a robot that trembles on a spot, or goes
 round a short way very often, has as many of those as the square of its legs. So legs before the loops are looked at in
-slices of time, robots that hold as one leg each, and loops robot by robot.
+slices of time, and so are loops that take equally long, whose robots are side by side at the same moments for ever; of
+robots that take turns at one way, all legs are near all others. Robots that hold are looked at as one leg each, and
+other loops robot by robot.
 """
 
 from __future__ import annotations
@@ -17,9 +19,9 @@ from numpy.typing import NDArray
 from rota.check.arrays import Flags, Floats, Ints
 from rota.check.distances import segment_distances
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of
-from rota.check.tolerances import TOUCH_M
+from rota.check.tolerances import SAME_TURN, TOUCH_M
 
-FEWEST_IN_SLICE = 64
+FEWEST_IN_SLICE = 128
 MOST_AT_ONCE = 2_000_000  # pairs of legs that one question to a tree may give
 
 
@@ -44,7 +46,8 @@ def _lines(routes: Routes) -> _Lines:
 def near_legs(routes: Routes, bodies_m: Floats) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of legs whose lines come nearer than the two bodies allow, less the tolerance; the lower robot's leg first.
 
-    bodies_m: (k,) radii. No pair is given twice. Pairs before the loops are only those that meet in time.
+    bodies_m: (k,) radii. No pair is given twice. Pairs before the loops, and of loops that take equally long, are only
+    those that meet in time.
     """
     if len(routes.legs_m):
         reach_m = float(np.sort(bodies_m)[-2:].sum())
@@ -59,7 +62,7 @@ def near_legs(routes: Routes, bodies_m: Floats) -> Iterator[tuple[Ints, Ints]]:
 def _candidates(routes: Routes, lines: _Lines, reach_m: float) -> Iterator[tuple[Ints, Ints, Floats]]:
     """Pairs of legs of different robots within a distance as lines, and that distance of each."""
     before, holds, loops = (np.flatnonzero(routes.kinds == kind) for kind in (TRANSIENT, HOLD, LOOP))
-    for in_turn, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
+    for in_turn, after_s, _ in _slices(routes.times_s[before], len(routes.durations_s)):
         for a, b, distance in _near_pairs(routes, lines, before[in_turn], before[in_turn], reach_m):
             # the slice in which the later of two legs begins has both
             start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
@@ -67,10 +70,38 @@ def _candidates(routes: Routes, lines: _Lines, reach_m: float) -> Iterator[tuple
             yield a[in_slice], b[in_slice], distance[in_slice]
     yield from ((a[a < b], b[a < b], far[a < b]) for a, b, far in _near_pairs(routes, lines, holds, holds, reach_m))
     yield from _near_pairs(routes, lines, before, holds, reach_m)
+    _, in_step = np.unique(np.column_stack([routes.classes, routes.parts]), axis=0, return_inverse=True)
+    turns = np.where(routes.kinds == LOOP, in_step.ravel()[routes.robots], -1)
+    for turn in np.unique(turns[loops]):
+        yield from _meeting_in_loops(routes, lines, np.flatnonzero(turns == turn), reach_m)
     for robot in np.unique(routes.robots[loops]):
         own = loops[routes.robots[loops] == robot]
-        others = (routes.robots > robot) | ((routes.robots < robot) & (routes.kinds != LOOP))
+        others = (routes.robots > robot) & (turns != turns[own[0]])
+        others |= (routes.robots < robot) & (routes.kinds != LOOP)
         yield from _near_pairs(routes, lines, own, _beside(routes, own, others, reach_m), reach_m)
+
+
+def _meeting_in_loops(routes: Routes, lines: _Lines, legs: Ints, reach_m: float) -> Iterator[tuple[Ints, Ints, Floats]]:
+    """Pairs as ``_candidates`` gives them, of legs (n,) of loops that take equally long, that meet in any turn."""
+    robots = np.unique(routes.robots[legs])
+    if len(robots) < 2:
+        return
+    turn_s = float(routes.parts[robots[0]] * routes.units_s[routes.classes[robots[0]]])
+    from_s = np.mod(routes.times_s[legs, 0], turn_s)
+    lasts_s = np.diff(routes.times_s[legs], axis=1)[:, 0] + 2 * SAME_TURN * turn_s
+    over = np.flatnonzero(from_s + lasts_s >= turn_s)  # it ends after the next turn has begun
+    leg = np.concatenate([np.arange(len(legs)), over])
+    begin_s = np.concatenate([from_s, from_s[over] - turn_s])
+    for in_turn, after_s, until_s in _slices(np.column_stack([begin_s, begin_s + lasts_s[leg]]), len(robots)):
+        own = legs[np.unique(leg[in_turn])]
+        begins = (from_s > after_s) & (from_s <= until_s)
+        for a, b, distance in _near_pairs(routes, lines, own, own, reach_m):
+            i, j = np.searchsorted(legs, a), np.searchsorted(legs, b)
+            # the slice has both in which one begins while the other lasts
+            later = np.mod(from_s[j] - from_s[i], turn_s) <= lasts_s[i]
+            sooner = ~later & (np.mod(from_s[i] - from_s[j], turn_s) <= lasts_s[j])
+            in_slice = (a < b) & np.where(later, begins[j], sooner & begins[i])
+            yield a[in_slice], b[in_slice], distance[in_slice]
 
 
 def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
@@ -93,14 +124,15 @@ def _beside(routes: Routes, own: Ints, others: Flags, reach_m: float) -> Ints:
     return np.flatnonzero(others & (low <= right).all(axis=1) & (high >= left).all(axis=1))
 
 
-def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
-    """Times (n, 2) from, to of legs in slices: the legs of each, and the time after which it begins.
+def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float, float]]:
+    """Times (n, 2) from, to of legs in slices: the legs of each, the time after which it begins, and its last one.
 
     As many legs begin in a slice as there are robots, or some more; each robot is on one leg more as it begins. So all
     slices together have not much more than 2 n legs.
     """
     starts = np.sort(times_s[:, 0])
-    edges = np.concatenate([[-np.inf], np.unique(starts[max(FEWEST_IN_SLICE, robots) :: max(FEWEST_IN_SLICE, robots)])])
+    size = max(FEWEST_IN_SLICE, robots)
+    edges = np.concatenate([[-np.inf], np.unique(starts[size::size]), [np.inf]])
     first = np.searchsorted(edges, times_s[:, 0]) - 1
     last = np.maximum(first, np.searchsorted(edges, times_s[:, 1]) - 1)
     count = last - first + 1
@@ -109,7 +141,8 @@ def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
     order = np.argsort(piece, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(piece[order])) + 1):
         if len(members):
-            yield leg[members], float(edges[piece[members[0]]])
+            k = int(piece[members[0]])
+            yield leg[members], float(edges[k]), float(edges[k + 1])
 
 
 def _near_pairs(
