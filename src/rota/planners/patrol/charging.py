@@ -24,7 +24,6 @@ from rota.planners.patrol.planner_settings import MOST_PATROLLING
 from rota.planners.patrol.relief.posts import posts_of
 from rota.planners.patrol.relief.relieve import clearance_of, endless, relieve, require_reach, without_batteries
 from rota.planners.patrol.relief.slots import only_visits
-from rota.planners.patrol.verdict import Judge
 from rota.planning.planner import Request
 
 
@@ -50,7 +49,7 @@ def plan_that_charges(request: Request, search: Callable[[Request], Plan], turns
     loops = replace(loops, lower_bound_robots=best.robots, lower_bound_reason=best.reason)
     posts = posts_of(problem, mission.chargers) if only_visits(mission) else ()
     tried = [loops.trajectories, posts] if posts else [loops.trajectories]
-    relieved = _take_turns(tried, loops, tight, seed, judge, turns_s)
+    relieved = _take_turns(tried, loops, tight, request, turns_s)
     most = _most_on_circuits(mission, relieved, best.robots) if turns_s is None else 0
     if most > 0 and not request.should_stop():
         told = share_of_progress(progress, 0.4, 1.0)
@@ -69,9 +68,8 @@ def plan_that_charges(request: Request, search: Callable[[Request], Plan], turns
 
 
 def _take_turns(
-    tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, seed: int, judge: Judge,
-    turns_s: Floats | None,
-) -> Plan | NoPlanFound:  # fmt: skip
+    tried: Sequence[Sequence[Trajectory]], loops: Plan, tight: Mission, request: Request, turns_s: Floats | None
+) -> Plan | NoPlanFound:
     """The plan with the fewest robots that take turns at the loops of one of some plans, or why none does.
 
     Robots whose jerk is limited change anywhere, and only where all go steadily if no plan passes so.
@@ -79,11 +77,11 @@ def _take_turns(
     best: Plan | NoPlanFound | None = None
     has_jerk = tight.fleet.equal_robot("robot-1").motion.jerk_m_s3 is not None
     for (number, ways), steadily in itertools.product(enumerate(tried), (False, True) if has_jerk else (False,)):
-        if steadily and isinstance(best, Plan):
+        if (steadily and isinstance(best, Plan)) or (best is not None and request.should_stop()):
             continue
         try:
             own = replace(loops, mission=endless(tight), trajectories=tuple(ways))
-            found = relieve(own, tight, seed=seed, judge=judge, briefly=number > 0, steadily=steadily, turns_s=turns_s)
+            found = relieve(own, tight, request, briefly=number > 0, steadily=steadily, turns_s=turns_s)
         except NoPlanFound as failure:
             best = failure if best is None or steadily else best
             continue

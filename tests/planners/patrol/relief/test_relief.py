@@ -10,13 +10,17 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD
 
 from rota import check_plan, make_plan, search_plan
+from rota.check.report import Report
 from rota.errors import NoPlanFound
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Charger, DiscSensor, Fleet, Mission, Zone
+from rota.model.plan import Plan
 from rota.planners.patrol import PatrolSettings
 from rota.planners.patrol.bounds.charging_bound import charging_of
 from rota.planners.patrol.margins import with_reserve
+from rota.planners.patrol.relief.relieve import endless, relieve
+from rota.planning.planner import Request
 
 # a corridor as wide as the sensor sees: one robot goes to and fro, past the charger in its middle
 CORRIDOR = Mission(
@@ -138,6 +142,27 @@ def test_chargers_with_too_few_places_are_refused_with_the_reason() -> None:
     one = dataclasses.replace(CORRIDOR, chargers=(Charger(name="pad", at=(100, 5), places=1),))
     with pytest.raises(NoPlanFound, match=r"charger 'pad' has 1 place, and . robots are there at once: give it more"):
         make_plan(one)
+
+
+def test_who_is_told_to_stop_tries_no_other_plan_than_the_one_found() -> None:
+    one = with_reserve(dataclasses.replace(CORRIDOR, chargers=(Charger(name="pad", at=(100, 5), places=1),)))
+    loops = make_plan(endless(one))
+    tried = {}
+    for stopped in (False, True):
+        judged: list[Plan] = []
+
+        def judge(plan: Plan, judged: list[Plan] = judged) -> Report:
+            judged.append(plan)
+            return check_plan(plan)
+
+        request = Request(
+            mission=one, seed=0, judge=judge, progress=lambda *_: None, should_stop=lambda stopped=stopped: stopped
+        )
+        with pytest.raises(NoPlanFound, match="robots are there at once") as caught:
+            relieve(loops, one, request)
+        assert caught.value.best is not None
+        tried[stopped] = len(judged)
+    assert tried[True] < tried[False]
 
 
 def test_batteries_that_reach_nothing_are_refused() -> None:

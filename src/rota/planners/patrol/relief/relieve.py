@@ -28,6 +28,7 @@ from rota.planners.patrol.relief.team import Team
 from rota.planners.patrol.relief.ways import Ways
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.verdict import Judge, crowding, worst_reached
+from rota.planning.planner import Request
 
 MOST_SHARED = 4  # chargers to which ways are planned for robots that land wherever a place is free
 MOST_TRIES = 12  # of robots with bodies, which may touch on their ways: with turns at the same loops, and on circuits
@@ -71,15 +72,17 @@ def require_reach(mission: Mission) -> None:
 
 
 def relieve(
-    loops: Plan, mission: Mission, *, seed: int, judge: Judge, briefly: bool = False, steadily: bool = False,
+    loops: Plan, mission: Mission, request: Request, *, briefly: bool = False, steadily: bool = False,
     turns_s: Floats | None = None,
 ) -> Plan:  # fmt: skip
     """A plan for the mission whose robots take turns at the loops of a plan for ``endless(mission)``.
 
-    briefly: the first try alone. steadily: robots change where loops are driven at a constant velocity. turns_s: how
-    long turns at loops may be; None: anything. Raises NoPlanFound where a loop is too far from all chargers for the
-    battery, where chargers have too little room, and where the judge passes no plan.
+    request: its seed, its judge, and what stops it: no other plan is tried then, once there is one. briefly: the first
+    try alone. steadily: robots change where loops are driven at a constant velocity. turns_s: how long turns at loops
+    may be; None: anything. Raises NoPlanFound where a loop is too far from all chargers for the battery, where chargers
+    have too little room, and where the judge passes no plan.
     """
+    judge, seed = request.judge, request.seed
     verdict = judge(loops)
     ratio = max((demand.worst_gap_s / demand.period_s for demand in verdict.demands), default=1.0)
     slots = slots_of(loops, ratio)
@@ -92,10 +95,11 @@ def relieve(
     tries, crowded = list(itertools.product(_paces(slots, loops, robot, judge), numbers, modes)), False
     barren: Sequence[Slot] = ()
     for heeds_places, (tried, number, gives_way) in itertools.product((False, True), tries[: 1 if briefly else None]):
-        if heeds_places and (not crowded or tried is barren):
+        # where some share chargers, other ways take as many robots
+        if (heeds_places and (not crowded or tried is barren)) or (shared is not None and (number or gives_way)):
             continue
-        if shared is not None and (number or gives_way):
-            continue  # as many robots, on other ways
+        if found is not None and request.should_stop():
+            break
         own_plan = partial(
             _plan_of, loops, mission, ways, turns_s, seed + number, number=number, heeds_places=heeds_places,
             gives_way=gives_way,

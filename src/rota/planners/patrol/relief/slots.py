@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -50,11 +51,15 @@ class Slot:
 
     def uses(self, battery: BatteryLimits) -> float:
         """Seconds of driving that a second there takes: as much as of standing, as far as that takes more."""
-        standing = 1.0
-        if not self.line.stays:
-            steps_s, steps_m = np.diff(self.line.times_s), np.hypot(*np.diff(self.line.places_m, axis=0).T)
-            standing = float(steps_s[steps_m == 0].sum() / self.line.duration_s)
-        return 1 + standing * max(0.0, battery.standing_uses - 1)
+        return 1 + self._standing * max(0.0, battery.standing_uses - 1)
+
+    @cached_property
+    def _standing(self) -> float:
+        """The share of its round in which a robot stands."""
+        if self.line.stays:
+            return 1.0
+        steps_s, steps_m = np.diff(self.line.times_s), np.hypot(*np.diff(self.line.places_m, axis=0).T)
+        return float(steps_s[steps_m == 0].sum() / self.line.duration_s)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from rota.model.arrays import Floats, Ints
 from rota.planners.patrol.relief.shifts import Cycle, Shift
 from rota.planners.patrol.relief.slots import Handovers, Slot
 from rota.planners.patrol.tolerances import SAME_ROUND, SAME_TIME_S
@@ -40,6 +42,14 @@ class Rotation:
     def lasts_s(self) -> float:
         """After how long each robot begins anew."""
         return self.robots * self.cycle.turn_s
+
+
+class _Takeoffs(NamedTuple):
+    """Handovers (n,) of a job, when a robot may take off for each, and after how long it may again; 0: at any time."""
+
+    handovers: Ints
+    begins_s: Floats
+    every_s: float
 
 
 def rotations_of(
@@ -78,6 +88,8 @@ class _Dispatch:
     ) -> None:
         self._cycle, self._slots, self._handovers, self._robots = cycle, slots, handovers, robots
         self._spots: dict[int, int] = {}
+        self._cuts: dict[int, list[int]] = {}
+        self._in_step: dict[tuple[int, int], _Takeoffs] = {}
         self._jobs = [(shift, number) for shift in shifts for number in range(shift.jobs)]
         busy_s = sum(shift.jobs * shift.busy_s for shift in shifts)
         self._between_s = max(robots * cycle.turn_s - busy_s, 0.0) / len(self._jobs)
@@ -105,52 +117,62 @@ class _Dispatch:
         anchors: Anchors = {}
         left = list(self._jobs)
         first = left.pop(0 if at_random == 0 else int(chance.integers(len(left))))
-        options = self._options(*first, anchors, -math.inf)
-        jobs = [options[0 if at_random == 0 else int(chance.integers(len(options)))]]
+        takeoffs = self._takeoffs(*first, anchors)
+        k = 0 if at_random == 0 else int(chance.integers(len(takeoffs.handovers)))
+        jobs = [Job(shift=first[0], handover=int(takeoffs.handovers[k]), begins_s=float(takeoffs.begins_s[k]))]
         self._anchor(jobs[0], first[1], anchors)
         while left:
             ready_s = jobs[-1].begins_s + self._busy_s(jobs[-1])
-            soonest = [min(self._options(*each, anchors, ready_s), key=lambda job: job.begins_s) for each in left]
-            order = np.argsort([job.begins_s for job in soonest], kind="stable")
+            soonest = [self._soonest(*each, anchors, ready_s) for each in left]
+            order = np.argsort([begins_s for _, begins_s in soonest], kind="stable")
             k = int(order[0] if chance.random() >= at_random else chance.choice(order))
-            jobs.append(soonest[k])
-            self._anchor(jobs[-1], left.pop(k)[1], anchors)
+            (shift, number), (at, begins_s) = left.pop(k), soonest[k]
+            jobs.append(Job(shift=shift, handover=at, begins_s=begins_s))
+            self._anchor(jobs[-1], number, anchors)
         over_s = jobs[-1].begins_s + self._busy_s(jobs[-1]) - (jobs[0].begins_s + self._robots * self._cycle.turn_s)
         return jobs if over_s <= SAME_TIME_S * max(1.0, self._robots * self._cycle.turn_s) else None
 
-    def _options(self, shift: Shift, number: int, anchors: Anchors, ready_s: float) -> list[Job]:
-        """When and where a job may be taken over by a robot that is ready then."""
+    def _soonest(self, shift: Shift, number: int, anchors: Anchors, ready_s: float) -> tuple[int, float]:
+        """Where a robot that is ready then may take over a job soonest, and when it takes off for that."""
+        takeoffs = self._takeoffs(shift, number, anchors)
+        if takeoffs.every_s == 0:  # spread what is free, so that charges do not all begin together
+            return int(takeoffs.handovers[0]), ready_s + self._between_s
+        later = np.ceil((ready_s - takeoffs.begins_s) / takeoffs.every_s - SAME_ROUND)
+        begins_s = takeoffs.begins_s + later * takeoffs.every_s
+        k = int(np.argmin(begins_s))
+        return int(takeoffs.handovers[k]), float(begins_s[k])
+
+    def _takeoffs(self, shift: Shift, number: int, anchors: Anchors) -> _Takeoffs:
+        """Where and when a job may be taken over; a slot's other jobs follow its first one."""
         slot, own, turn_s = self._slots[shift.slot], self._handovers[shift.slot], self._cycle.turn_s
-        each_s = turn_s / shift.jobs
-        if not slot.keeps_step:
-            cuts = (
-                own.nearest_parts(slot.line.duration_s, shift.parts)[0]
-                if shift.parts > 1
-                else [self._spots[shift.slot]]
-            )
-            at = cuts[number % len(cuts)]
-            way_s = float(own.ways_s[at])
-            if shift.slot not in anchors:
-                # spread what is free, so that charges do not all begin together
-                begins_s = -way_s if ready_s == -math.inf else ready_s + self._between_s
-            else:
-                begins_s = _next_s(anchors[shift.slot][0] + number * each_s - way_s, turn_s, ready_s)
-            return [Job(shift=shift, handover=at, begins_s=begins_s)]
-        step_s = each_s / shift.rounds  # a round on average, with the pauses: so loops keep in step from turn to turn
-        if shift.parts > 1:
-            near = np.array(own.nearest_parts(slot.line.duration_s, shift.parts)[0])[[number]]
-            at_s, every_s = own.phases_s[near] * (turn_s / slot.line.duration_s), turn_s
-        elif shift.slot in anchors:  # its other jobs follow the first one
-            at_s, near = np.array([anchors[shift.slot][0] + number * each_s]), np.array([anchors[shift.slot][1]])
-            every_s = turn_s
+        if slot.keeps_step and (shift.parts > 1 or shift.slot not in anchors):
+            if (shift.slot, number) not in self._in_step:
+                self._in_step[shift.slot, number] = self._takeoffs_in_step(shift, number)
+            return self._in_step[shift.slot, number]
+        if slot.keeps_step:
+            at = anchors[shift.slot][1]
         else:
-            near = np.flatnonzero(own.ways_s <= shift.most_way_s + SAME_TIME_S)
-            near = near[np.argsort(own.ways_s[near], kind="stable")]
-            at_s, every_s = own.phases_s[near] * (step_s / slot.line.duration_s), step_s
-        return [
-            Job(shift=shift, handover=int(k), begins_s=_next_s(float(s - own.ways_s[k]), every_s, ready_s))
-            for k, s in zip(near, at_s, strict=True)
-        ]
+            at = self._parts(shift)[number % shift.parts] if shift.parts > 1 else self._spots[shift.slot]
+        first_s = anchors[shift.slot][0] + number * (turn_s / shift.jobs) if shift.slot in anchors else 0.0
+        every_s = turn_s if shift.slot in anchors else 0.0
+        return _Takeoffs(np.array([at]), np.array([first_s]) - own.ways_s[at], every_s)
+
+    def _takeoffs_in_step(self, shift: Shift, number: int) -> _Takeoffs:
+        """Those of a loop that keeps step with others, before any of its jobs has a time, or of part of a round."""
+        slot, own, turn_s = self._slots[shift.slot], self._handovers[shift.slot], self._cycle.turn_s
+        if shift.parts > 1:
+            near, every_s = np.array(self._parts(shift))[[number]], turn_s
+        else:  # a round on average, with the pauses: so loops keep in step from turn to turn
+            near, every_s = np.flatnonzero(own.ways_s <= shift.most_way_s + SAME_TIME_S), turn_s / shift.jobs
+            near, every_s = near[np.argsort(own.ways_s[near], kind="stable")], every_s / shift.rounds
+        return _Takeoffs(near, own.phases_s[near] * (every_s / slot.line.duration_s) - own.ways_s[near], every_s)
+
+    def _parts(self, shift: Shift) -> list[int]:
+        """Where a round is cut in the parts that its jobs drive, each the handover at which one begins."""
+        if shift.slot not in self._cuts:
+            own, lasts_s = self._handovers[shift.slot], self._slots[shift.slot].line.duration_s
+            self._cuts[shift.slot] = own.nearest_parts(lasts_s, shift.parts)[0]
+        return self._cuts[shift.slot]
 
     def _anchor(self, job: Job, number: int, anchors: Anchors) -> None:
         """Note when the first job of a slot is taken over by this one, its job of that number."""
@@ -162,8 +184,3 @@ class _Dispatch:
         """How long a job keeps its robot busy, which may change farther from the charger than it need, or nearer."""
         more_s = 2 * (float(self._handovers[job.shift.slot].ways_s[job.handover]) - job.shift.way_s)
         return job.shift.busy_s + max(more_s, 0.0) * job.shift.busy_s / job.shift.flies_s
-
-
-def _next_s(time_s: float, every_s: float, ready_s: float) -> float:
-    """The first of the times that come again every so often that is not before a robot is ready."""
-    return time_s if ready_s == -math.inf else time_s + math.ceil((ready_s - time_s) / every_s - SAME_ROUND) * every_s

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rota.model.arrays import Floats
+from rota.model.arrays import Floats, Ints
 from rota.model.battery_limits import BatteryLimits
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.timed_line import TimedLine, chain, steady
@@ -45,6 +45,20 @@ class _Detour(NamedTuple):
         """The way with a wait at the place."""
         waits = [steady(np.array([0.0, wait_s]), self.on.places_m[[0, 0]])] if wait_s > 0 else []
         return chain(self.there, *waits, self.on)
+
+
+class _Others(NamedTuple):
+    """Where others are in the air: (p,) of the n moments that are looked at, and their places_m (p, 2) then."""
+
+    moments: Ints
+    places_m: Floats
+
+    def touches(self, line: TimedLine, since_s: Floats, least_m: float) -> Ints:
+        """The moments at which a robot on a line, for so many seconds (n,), is within ``least_m`` of others."""
+        on_way = ((since_s >= 0) & (since_s <= line.duration_s))[self.moments]
+        moments = self.moments[on_way]
+        steps_m = self.places_m[on_way] - line.at(since_s)[moments]
+        return np.unique(moments[(steps_m**2).sum(axis=1) < least_m**2])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,9 +124,8 @@ class _Air:
         served = without_moments(flight.served)
         since_s = np.arange(0.0, min(CHANGES * self._radius_s, served.duration_s), STEP * self._radius_s)
         moments_s = self._joins_s(end) + since_s
-        others_m = self._others_m(end, moments_s, on_rounds=True)
-        steps_m = others_m - served.at(since_s)
-        return bool(((steps_m**2).sum(axis=2) < self._least_m**2).any())
+        others = self._others_in_the_air(end, moments_s, on_rounds=True)
+        return len(others.touches(served, since_s, self._least_m)) > 0
 
     def _lead_anew(self, end: _End) -> int:
         """Lead a way anew if it touches another robot; at how many moments it did."""
@@ -122,14 +135,14 @@ class _Air:
             return 0
         most_s = line.duration_s + self._spare_s(end)
         moments_s = self._moments_s(end, most_s)
-        others_m = self._others_m(end, moments_s)
+        others = self._others_in_the_air(end, moments_s)
         step_m = self._robot.ground_speed_m_s * float(moments_s[1] - moments_s[0])
-        touched = self._count_touches(end, line, moments_s, others_m, self._least_m)
+        touched = self._count_touches(end, line, moments_s, others, self._least_m)
         if touched == 0:
             return 0
         best: tuple[int, TimedLine] = touched, line
         for other in self._others(end, most_s):
-            count = self._count_touches(end, other, moments_s, others_m, self._least_m + step_m)
+            count = self._count_touches(end, other, moments_s, others, self._least_m + step_m)
             if count < best[0] and self._is_charged(end, self._with(end, other)):
                 best = count, other
                 if count == 0:
@@ -158,20 +171,18 @@ class _Air:
         away_s = np.linspace(0.0, most_s, count + 1)
         return self._joins_s(end) + (away_s if end.is_back else away_s - most_s)
 
-    def _count_touches(self, end: _End, line: TimedLine, moments_s: Floats, others_m: Floats, least_m: float) -> int:
-        """At how many of the moments (n,) a robot on this way is within ``least_m`` of others (m, n, 2)."""
+    def _count_touches(self, end: _End, line: TimedLine, moments_s: Floats, others: _Others, least_m: float) -> int:
+        """At how many of the moments (n,) a robot on this way is within ``least_m`` of others."""
         since_s = moments_s - self._joins_s(end) + (0.0 if end.is_back else line.duration_s)
-        on_way = (since_s >= 0) & (since_s <= line.duration_s)
-        steps_m = others_m[:, on_way] - line.at(since_s[on_way])
-        near = (steps_m**2).sum(axis=2) < least_m**2  # nan: not in the air
-        return int(near.any(axis=0).sum())
+        return len(others.touches(line, since_s, least_m))
 
-    def _others_m(self, end: _End, moments_s: Floats, *, on_rounds: bool = False) -> Floats:
-        """Where others are (m, n, 2) at moments (n,) of a way, whenever they may be there then; nan: on a charger.
+    def _others_in_the_air(self, end: _End, moments_s: Floats, *, on_rounds: bool = False) -> _Others:
+        """Where others are at moments (n,) of a way, whenever they may be there then.
 
-        on_rounds: nan on their ways as well.
+        on_rounds: those on rounds alone, not on their ways.
         """
-        turn_s, found = self._rotations[end.rotation].cycle.turn_s, [np.full((1, len(moments_s), 2), np.nan)]
+        turn_s = self._rotations[end.rotation].cycle.turn_s
+        found = [_Others(np.empty(0, np.int64), np.empty((0, 2)))]
         for r, rotation in enumerate(self._rotations):
             own_turn_s = rotation.cycle.turn_s
             for later in range(_meetings(turn_s, own_turn_s)):
@@ -186,12 +197,11 @@ class _Air:
                         if r == end.rotation and k == end.flight and turn == 0:
                             continue  # the robot itself
                         at_s = since_s + turn * own_turn_s
-                        flies = (at_s > begins_s - SAME_TIME_S) & (
-                            at_s < ends_s + SAME_TIME_S
-                        )  # on a charger, at its ends
-                        if flies.any():
-                            found.append(np.where(flies[:, None], line.at(at_s), np.nan)[None])
-        return np.concatenate(found)
+                        # at its ends it is on a charger
+                        flies = np.flatnonzero((at_s > begins_s - SAME_TIME_S) & (at_s < ends_s + SAME_TIME_S))
+                        if len(flies):
+                            found.append(_Others(flies, line.at(at_s[flies])))
+        return _Others(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
     def _others(self, end: _End, most_s: float) -> Iterator[TimedLine]:
         """Other ways of at most so many seconds, the shortest first."""
