@@ -32,6 +32,9 @@ def test_robots_that_repairs_ask_for_are_tried_without_afterwards(monkeypatch: p
     verdicts = [(len(plan.trajectories), check_plan(plan).verdict) for plan in judged]
     first = next(robots for robots, verdict in verdicts if verdict == "met")
     assert lanes.robots < first
+    late = sweep(replace(context, should_stop=lambda: True), EARLY)
+    assert late is not None
+    assert late.robots == first  # who was stopped before takes the first plan
     monkeypatch.setattr(first_plan, "with_robots_of", lambda _proposal, _context, lanes: lanes)
     sure = sweep(context, EARLY)
     assert sure is not None

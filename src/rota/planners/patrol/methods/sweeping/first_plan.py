@@ -44,7 +44,7 @@ def sweep(context: Context, settings: SearchSettings) -> Repaired | None:
         extra = missed_nooks(hasty, proposal.tours) if context.problem.lanes_overlap_m > 0 else no_points()
         lanes = repair_until_feasible(hasty, proposal.tours, extra, may_add=True, rounds=rounds)
         if lanes.met:
-            return with_robots_of(proposal, hasty, lanes)
+            return lanes if context.should_stop() else with_robots_of(proposal, hasty, lanes)
         if hasty.should_stop():
             break
     return None
