@@ -30,7 +30,7 @@ from rota.planners.patrol.driving.polylines import split_legs, turns_rad, withou
 from rota.planners.patrol.ground.extra_points import no_points, prepare_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
-from rota.planners.patrol.initial.first_tours import first_tours
+from rota.planners.patrol.initial.first_tours import place_groups, shared_tour
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -177,7 +177,7 @@ def problem(sensor: Sensor = ROBOT.sensor, **turning_and_body: Any) -> Problem:
 
 def started(given: Problem, seed: int = 1, budget_penalty: float = 4.0) -> Annealing:
     groups = tuple((c,) for c in range(len(given.periods_s)))
-    tours = first_tours(given, groups)
+    tours = [shared_tour(given, group) for group in place_groups(given, groups)]
     _, samples = prepare_with(given, no_points())
     return Annealing(
         tours,

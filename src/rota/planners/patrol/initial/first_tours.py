@@ -92,11 +92,6 @@ def place_groups(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[
     return viewed
 
 
-def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:
-    """Tours that see every sample, one per group of places, each with the robots that its length needs."""
-    return [shared_tour(problem, group) for group in place_groups(problem, groups)]
-
-
 def shared_tour(problem: Problem, group: PlaceGroup) -> Tour:
     """One tour past all places of the group, with the robots that its length needs."""
     if group.stands is not None:
