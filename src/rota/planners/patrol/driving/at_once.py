@@ -9,9 +9,9 @@ import numpy as np
 from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
-from rota.planners.patrol.driving.polylines import keeps_radius, turns_rad, without_straight_vertices
+from rota.planners.patrol.driving.polylines import STRAIGHT_RAD, keeps_radius, turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
-from rota.planners.patrol.tolerances import SLOWER
+from rota.planners.patrol.tolerances import SAME_TIME_S, SLOWER
 
 SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
 
@@ -66,7 +66,8 @@ def timed_line(line_m: Floats, turns: Floats, robot: Robot, *, least_s: float = 
     travel_s = np.maximum(np.hypot(*np.diff(line_m, axis=0).T) / (robot.ground_speed_m_s * SLOWER), least_s)
     turn_s = np.zeros(len(travel_s))
     if robot.turn_rate_rad_s is not None:
-        turn_s = turns / (robot.turn_rate_rad_s * SLOWER)
+        # what rounding leaves of going straight on is no turn, and any other lasts until a later moment
+        turn_s = np.maximum(turns / (robot.turn_rate_rad_s * SLOWER), SAME_TIME_S) * (turns > STRAIGHT_RAD)
     # one row on arrival at each point, one more when turning there takes time
     steps = np.column_stack([travel_s, turn_s]).ravel()
     keep = steps > 0

@@ -102,3 +102,13 @@ def test_a_way_that_ends_beside_its_loop_by_rounding_leaves_the_loop_closed() ->
     joined = joined_trajectory("a", approach, 0.0, 2.0, round_)
     assert (joined.positions_m[-1] == joined.positions_m[1]).all()
     assert joined.loop_duration_s == 8
+
+
+@pytest.mark.parametrize("aside_m", [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_hardly_any_turn_into_a_loop_takes_no_time_or_time_that_is_told_apart_later(aside_m: float) -> None:
+    robot = Fleet(speed_m_s=1, turn_rate_rad_s=3, sensor=DiscSensor(radius_m=1)).equal_robot("r")
+    approach = timed_approach(np.array([[0.0, 1], [2, 1]]), robot, onward_m=np.array([3.0, 1 + aside_m]))
+    round_ = steady(np.array([0.0, 2, 4]), np.array([[2.0, 1], [3, 1 + aside_m], [2, 1]]))
+    for leaves_s in (0.0, 0.46389066913645394, 1e5):
+        joined = joined_trajectory("r", approach, leaves_s, leaves_s + approach.duration_s, round_)
+        assert joined.loop_start_s == pytest.approx(leaves_s + 2 + aside_m / 3, rel=2e-6)
