@@ -116,3 +116,9 @@ def test_normal_takes_as_few_robots_as_quick() -> None:
     """In the yard loops of normal are longer once robots take turns; the others are shorter, but spare no robot."""
     assert len(make_plan(yard(0).with_effort("normal"))) == 2
     assert len(make_plan(random_mission(102).with_effort("normal"))) == 4
+
+
+@pytest.mark.slow  # a whole search
+def test_loops_of_robots_that_turn_on_the_spot_are_moved_by_linear_programs() -> None:
+    """Detours alone take six robots there."""
+    assert len(make_plan(random_mission(139))) == 5

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
 from rota.model.arrays import Floats
 from rota.model.mission import Robot
-from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
+from rota.planners.patrol.driving.corner_costs import CornerCosts, Slopes, no_table
 from rota.planners.patrol.driving.polylines import STRAIGHT_RAD, keeps_radius, turns_rad, without_straight_vertices
 from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tolerances import SAME_TIME_S, SLOWER
 
+KINK_RAD = 1e-3  # a straighter vertex turns more whichever way it goes
 SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
 
 
 class AtOnce:
     """What a robot without mass can do; see ``Driving``."""
 
-    has_mass, slopes = False, None
+    has_mass = False
     off_m = 0.0
     blind_m = 0.0
 
@@ -47,6 +49,13 @@ class AtOnce:
         """The polyline itself; see ``Driving``."""
         legs = np.arange(len(vertices_m))
         return np.vstack([vertices_m, vertices_m[:1]]), np.column_stack([legs, legs + 1]).astype(np.float64)
+
+    @property
+    def slopes(self) -> Slopes | None:
+        """Of robots that turn on the spot; see ``Driving``. Others need none: their ways are as long as their legs."""
+        if self.robot.turn_rate_rad_s is None:
+            return None
+        return partial(turning_slopes, turn_m=self.corner_costs.turn_m)
 
     def timed(self, vertices_m: Floats) -> TimedLine:
         """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""
@@ -88,3 +97,24 @@ def spool_m(lengths_m: Floats, turns: Floats, radius_m: float) -> float:
     short_m = np.minimum(lengths_m, np.roll(lengths_m, 1))
     tight = short_m < need_m
     return float(2 * math.pi * radius_m * (1 - short_m[tight] / need_m[tight]).sum())
+
+
+def turning_slopes(vertices_m: Floats, *, turn_m: float) -> tuple[Floats, Floats]:
+    """What moves of vertices (n, 2) cost a robot that turns on the spot, each radian as much as ``turn_m``.
+
+    Twice (n, 2), see ``Driving.slopes``. A leg that swings adds its angle to one turn and takes it from the other: a
+    round changes by what it adds where the two bend opposite ways, and not at all where they bend the same way.
+    """
+    along = np.roll(vertices_m, -1, axis=0) - vertices_m
+    lengths_m = np.maximum(np.hypot(*along.T), 1e-12)[:, None]
+    along /= lengths_m
+    before = np.roll(along, 1, axis=0)
+    turns = np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(axis=1))
+    bent = np.where(np.abs(turns) > KINK_RAD, np.sign(turns), 0.0)
+    swing = np.column_stack([-along[:, 1], along[:, 0]]) / lengths_m  # of a leg in rad, for a metre of its end
+    turning = turn_m * (bent - np.roll(bent, -1))[:, None] * swing
+    growth = before - along + np.roll(turning, 1, axis=0) - turning
+    straight, after = (bent == 0)[:, None], np.abs(swing)
+    own = after + np.roll(after, 1, axis=0)
+    beside = after * np.roll(straight, -1, axis=0) + np.roll(after, 1, axis=0) * np.roll(straight, 1, axis=0)
+    return growth, turn_m * straight * (own + beside)

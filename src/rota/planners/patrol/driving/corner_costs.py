@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -10,6 +11,8 @@ import numpy as np
 
 from rota.model.arrays import Floats
 from rota.model.mission import Robot
+
+Slopes = Callable[[Floats], tuple[Floats, Floats]]
 
 LONGEST_REACHES = 6.5  # the longest leg of a table: a little more than a search has
 

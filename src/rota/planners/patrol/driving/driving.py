@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from typing import Protocol
 
 from rota.model.arrays import Floats
 from rota.model.mission import Robot
 from rota.planners.patrol.driving.at_once import AtOnce
 from rota.planners.patrol.driving.auto import Auto
-from rota.planners.patrol.driving.corner_costs import CornerCosts
+from rota.planners.patrol.driving.corner_costs import CornerCosts, Slopes
 from rota.planners.patrol.driving.rounded import driving_with_mass
 from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.vehicles.models import MODELS
 from rota.vehicles.presets import vehicle_within
-
-Slopes = Callable[[Floats], tuple[Floats, Floats]]
 
 
 class Driving(Protocol):

@@ -115,7 +115,7 @@ class Problem:
     def lanes_m(self, ground_m2: float) -> float:
         """Metres at the pace of perfect lanes over a square of this ground; with mass, their ends cost time."""
         driving, length_m = driving_of(self.robot), ground_m2 / self.swath_m
-        if driving.slopes is None or ground_m2 == 0:
+        if not driving.has_mass or driving.slopes is None or ground_m2 == 0:
             return length_m
         lane_m = math.sqrt(ground_m2)
         return length_m * (1 + self.swath_m / lane_m) * driving.pace_m_s / pace_on_lanes(driving, lane_m)

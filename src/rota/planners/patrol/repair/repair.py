@@ -186,7 +186,9 @@ def seeing_all(
     tours = lead(context, tours, points, samples, seed=seed)
     if may_add:
         return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
-    if not bends and over_budget_share(tours) > 0:
+    # programs leave every corner in; where each takes time, moves then take some out
+    moves_follow = not bends or driving_of(problem.robot).slopes is not None
+    if moves_follow and over_budget_share(tours) > 0:
         return tighten(context, tours, samples, seed=seed)
     return tours
 

@@ -41,8 +41,8 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
 
     Each attempt begins with the tours found: the first ones with much heat, which gives them another shape where the
     budgets leave room for one, the last with little. Loops that became shorter so are shortened further, unless some
-    are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
-    is, for no linear program closes the gaps there; and so is ground of more than ``LARGEST`` reaches of ideal loop.
+    are nested or turns cost something. Ground where robots turn on arcs or the limit of sight is asked for is left as
+    it is, for no linear program closes the gaps there; and so is ground of more than ``LARGEST`` reaches of ideal loop.
     Loops of robots with mass lose spikes alone. The larger the ground, the fewer attempts its ``most_work`` allows, and
     the last ones take least. Where none passes the last one is led by detours past what it leaves.
     """

@@ -41,6 +41,12 @@ def test_the_loop_is_as_short_however_long_the_period_is(spare: float) -> None:
     assert THERE_AND_BACK_M - 1e-6 <= round_s(plan) <= 1.015 * THERE_AND_BACK_M
 
 
+def test_who_turns_on_the_spot_does_so_at_the_ends_alone() -> None:
+    plan = search_plan(corridor(2 * THERE_AND_BACK_M, turn_rate_rad_s=0.3)).plan
+    least_s = THERE_AND_BACK_M + 2 * math.pi / 0.3
+    assert least_s - 1e-6 <= round_s(plan) <= 1.015 * least_s
+
+
 def test_a_period_that_is_too_short_is_told_with_the_shortest_loop() -> None:
     with pytest.raises(NoPlanFound) as failure:
         search_plan(corridor(0.8 * THERE_AND_BACK_M))
@@ -54,10 +60,10 @@ def round_s(plan: Plan) -> float:
     return float(trajectory.times_s[-1] - trajectory.times_s[trajectory.loop_index])
 
 
-def test_other_periods_turns_that_take_time_and_more_robots_are_no_matter_of_one_loop() -> None:
+def test_other_periods_and_more_robots_are_no_matter_of_one_loop() -> None:
     one = corridor(200)
     assert is_one_loop(search_on(one), ALONE)
     assert not is_one_loop(search_on(one), replace(ALONE, robots=2))
     urgent = Zone(name="urgent", shape=MultiPolygon([box(0, 0, 2, 2)]), period_s=50)
     assert not is_one_loop(search_on(corridor(200, urgent)), ALONE)
-    assert not is_one_loop(search_on(corridor(200, turn_rate_rad_s=1.0)), ALONE)
+    assert is_one_loop(search_on(corridor(200, turn_rate_rad_s=1.0)), ALONE)

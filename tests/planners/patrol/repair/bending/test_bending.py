@@ -82,6 +82,15 @@ def test_round_the_corners_of_a_square(field: Problem) -> None:
     assert tour_length_m(found) == pytest.approx(4 * (30 - math.sqrt(2) * sight_m(field)), rel=2e-3)
 
 
+def test_round_the_corners_of_a_square_by_a_robot_that_turns_on_the_spot(field: Problem) -> None:
+    # four right angles wherever the corners lie: the shortest way is the fastest, and no leg is bent
+    turning = replace(field.robot, turn_rate_rad_s=0.2)
+    corners = [[15, 15], [45, 15], [45, 45], [15, 45]]
+    found = shortest(field, tour(field, corners, robot=turning), corners)
+    legs_m = 4 * (30 - math.sqrt(2) * sight_m(field))
+    assert tour_length_m(found) == pytest.approx(legs_m + 2 * math.pi / 0.2 * field.robot.speed_m_s, rel=2e-3)
+
+
 def test_within_its_budget_a_tour_is_shortened_where_metres_cost(field: Problem) -> None:
     corners = [[15, 15], [45, 15], [45, 45], [15, 45]]
     samples = samples_at(field, corners)[1]
@@ -241,7 +250,7 @@ def brute_lack(problem: Problem, begun: Tour, xy_m: Floats, square: bool) -> Flo
 def test_where_it_is_of_no_use() -> None:
     problem = problem_of()
     assert can_bend(problem)
-    turning = replace(problem, robot=replace(problem.robot, turn_rate_rad_s=1.0))
-    assert not can_bend(turning)
+    assert can_bend(replace(problem, robot=replace(problem.robot, turn_rate_rad_s=1.0)))
+    assert not can_bend(replace(problem, robot=replace(problem.robot, turn_radius_m=1.0)))
     standing = replace(problem, regions=(*problem.regions, replace(problem.regions[0], period_s=0.01)))
     assert not can_bend(standing)

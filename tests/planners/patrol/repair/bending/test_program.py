@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -94,3 +96,25 @@ def least_cost(budgets: csr_array, left_m: Floats, ranges: Rows, border: Rows, *
         method="highs-ipm",
     )
     return float(found.fun)
+
+
+def test_a_nest_grows_as_the_vertices_move_that_its_loops_share() -> None:
+    robot = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=3.0)).equal_robot("one")
+    hub = Tour(
+        vertices_m=np.array([[30.0, 30.0], [20.0, 31.0], [19.0, 20.0], [32.0, 20.0]]),
+        period_class=0, period_s=400.0, robots=1, robot=replace(robot, turn_rate_rad_s=0.5), nest=2,
+    )  # fmt: skip
+    petals_m = (
+        np.array([[30.0, 30.0], [50.0, 32.0], [48.0, 40.0]]),
+        np.array([[30.0, 30.0], [28.0, 55.0], [24.0, 50.0]]),
+    )
+    nest = [hub, *(replace(hub, vertices_m=petal_m, robots=0) for petal_m in petals_m)]
+    layout, places_m = lay_out_tours(nest, 1e3)
+    growth, bends = length_rows(layout, places_m)
+    assert not bends.toarray().any()
+    before_m, step_m = layout.lengths_m(places_m), 1e-6
+    for which in np.ndindex(places_m.shape):
+        moved_m = places_m.copy()
+        moved_m[which] += step_m
+        grown = (layout.lengths_m(moved_m) - before_m) / step_m
+        assert growth.toarray()[:, 2 * which[0] + which[1]] == pytest.approx(grown, abs=1e-4)

@@ -10,7 +10,8 @@ import numpy as np
 
 from rota.model.arrays import Floats, Ints
 from rota.model.mission import DiscSensor, inner_reach_m
-from rota.planners.patrol.driving.driving import Slopes, driving_of
+from rota.planners.patrol.driving.corner_costs import Slopes
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, tour_length_m, whole_budget_m

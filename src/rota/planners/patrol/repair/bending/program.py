@@ -111,14 +111,11 @@ def length_rows(layout: Layout, places_m: Floats) -> tuple[csr_array, csr_array]
     n = len(places_m)
     shape = len(layout.tours), 2 * n
     if layout.slopes is not None:
-        growth, bends = np.zeros((n, 2)), np.zeros((n, 2))
-        for k, slopes in enumerate(layout.slopes):
-            own = layout.start[layout.tour == k]
-            growth[own], bends[own] = slopes(places_m[own])
-        of_vertex = np.empty(n, dtype=np.int64)
-        of_vertex[layout.start] = layout.tour
-        where = np.repeat(of_vertex, 2), np.arange(2 * n)
-        return csr_array((growth.ravel(), where), shape=shape), csr_array((bends.ravel(), where), shape=shape)
+        of_legs = [slopes(places_m[layout.start[layout.tour == k]]) for k, slopes in enumerate(layout.slopes)]
+        growth, bends = (np.vstack(parts).ravel() for parts in zip(*of_legs, strict=True))
+        # a petal and its hub share a vertex, and either grows as that moves
+        where = np.repeat(layout.tour, 2), np.column_stack([2 * layout.start, 2 * layout.start + 1]).ravel()
+        return coo_array((growth, where), shape=shape).tocsr(), coo_array((bends, where), shape=shape).tocsr()
     along = places_m[layout.end] - places_m[layout.start]
     along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
     rows = np.concatenate([layout.tour] * 4)

@@ -34,14 +34,14 @@ MOST_DEFICIT = 0.1  # of the reach: samples that lack more are not drawn to
 
 
 def can_bend(problem: Problem) -> bool:
-    """Whether it is worth while: turning time is not linear, the rim of what can be seen leaves no room to move in.
+    """Whether it is worth while: turns on arcs are not linear, the rim of what can be seen leaves no room to move in.
 
     Nor do robots that stand have lengths to speak of.
     """
     stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
     robot = problem.robot
-    turns = robot.turn_rate_rad_s is not None or robot.turn_radius_m > 0
-    return not stands and not turns and not problem.at_limit
+    is_linear = robot.turn_radius_m == 0 and (robot.turn_rate_rad_s is None or driving_of(robot).slopes is not None)
+    return not stands and is_linear and not problem.at_limit
 
 
 class Bending:
@@ -62,7 +62,7 @@ class Bending:
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
-        longest = 1.0 if driving_of(problem.robot).slopes is None else 2.0  # with mass every bend takes time
+        longest = 1.0 if driving_of(problem.robot).slopes is None else 2.0  # where corners take time every bend does
         self._layout, self._places_m = lay_out_tours(tours, longest * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
