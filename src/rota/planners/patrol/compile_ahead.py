@@ -26,8 +26,11 @@ def ground() -> None:
 
 def bending() -> None:
     """Who sees which sample, for the linear programs that bend loops."""
-    floats, ints = np.zeros(0), np.zeros(0, np.int64)
-    legs, best = SensingLegs(np.zeros((0, 4)), ints, floats, ints), Sightings(ints, floats, floats)
+    ints, threes = np.zeros(0, np.int64), np.zeros((0, 3))
+    legs, best = (
+        SensingLegs(np.zeros((0, 4)), ints, np.zeros(0), ints),
+        Sightings(threes.astype(np.int64), threes, threes),
+    )
     _, samples, _ = types_of_states()
     best_sightings.compile_entry(typeof(legs), Float, samples, typeof(np.zeros(0, np.int32)), typeof(best))
 

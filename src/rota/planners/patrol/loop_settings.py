@@ -32,12 +32,14 @@ class BendingSettings:
     range_weight: of a metre of range that a sample lacks.
     move_weight: of a metre that a vertex moves along an axis, so that what need not move stays.
     length_weight: of a metre of the tours; 0 where all that counts is that they keep within their budgets.
+    shares: whether legs share what they see about as well, see ``share_kernels``; programs take four times as long.
     """
 
     least_gain: float = 1e-3
     range_weight: float = 5.0
     move_weight: float = 1e-3
     length_weight: float = 0.0
+    shares: bool = False
 
 
 class ShorteningStage(NamedTuple):

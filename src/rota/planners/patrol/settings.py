@@ -167,7 +167,6 @@ class RepairSettings:
     tight_bend_growth: by which that grows in every round, as a share of the range margin.
     roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
     bending_steps: linear programs of one round.
-    detours_first: before these, detours past what no leg comes near; else legs are bent after them, and they run again.
     """
 
     rounds: int
@@ -177,7 +176,6 @@ class RepairSettings:
     tight_bend_growth: float = 0.03
     roomy_bend_growth: float = 0.25
     bending_steps: int = 25
-    detours_first: bool = False
 
     @property
     def patient_rounds(self) -> int:

@@ -68,7 +68,7 @@ def roomy_and_tight(problem: Problem) -> tuple[Tour, Tour]:
     return roomy, tight
 
 
-def test_detours_come_first_where_that_is_asked_and_legs_are_not_bent_besides(
+def test_among_many_small_obstacles_detours_come_first_where_metres_count_and_legs_are_not_bent_besides(
     problem: Problem, roomy_and_tight: tuple[Tour, Tour], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
@@ -82,8 +82,13 @@ def test_detours_come_first_where_that_is_asked_and_legs_are_not_bent_besides(
         return len(Bending(problem, tours, samples, context.settings.bending).far_samples)
 
     for first in (True, False):
-        repair = replace(context.settings.repair, detours_first=first, bending_steps=0)
-        own = replace(context, settings=replace(context.settings, repair=repair))
+        repair = replace(context.settings.repair, bending_steps=0)
+        bending = replace(context.settings.bending, length_weight=1.0 if first else 0.0)
+        own = replace(
+            context,
+            problem=replace(problem, lanes_overlap_m=0.01),
+            settings=replace(context.settings, repair=repair, bending=bending),
+        )
         if first:
             longer = bend(own, tours, points, samples, seed=0)
             assert far_of(longer) == 0 < len(points) / 2 < far_of(tours)

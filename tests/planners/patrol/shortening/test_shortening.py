@@ -173,7 +173,7 @@ def test_detours_see_what_programs_leave(context: Context, found: Repaired, apar
 
 
 def test_loops_that_are_pulled_tight_are_shorter_and_pass(context: Context, found: Repaired) -> None:
-    tight = pull_tight(context, found)
+    tight = pull_tight(with_rounds(context, 12), found)
     assert check_plan(tight.plan).verdict == "met"
     assert loops_m(tight.tours) < 0.99 * loops_m(found.tours)
     assert pull_tight(replace(context, should_stop=lambda: True), found) is found

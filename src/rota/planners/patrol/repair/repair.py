@@ -245,8 +245,10 @@ def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
 def bend(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
+    # among many small obstacles, where metres count, programs would take long to get past what no leg comes near
+    detours_first = context.settings.bending.length_weight > 0 and problem.lanes_overlap_m > 0
     bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
-    if settings.detours_first and bending.some_far:
+    if detours_first and bending.some_far:
         tours = visit_places(problem, tours, points, samples, bending.far_samples, further=True) or tours
         bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     # detours are dear: moves make them shorter first
@@ -257,7 +259,7 @@ def bend(context: Context, tours: list[Tour], points: SamplePoints, samples: Sam
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
         bending.hand_over(settings.bending_steps, should_stop=context.should_stop)
-    if not bending.some_far or settings.detours_first:
+    if not bending.some_far or detours_first:
         return bending.tours
     longer = see_the_rest(context, bending.tours, points, samples, seed=seed)
     bending = Bending(problem, longer, samples, context.settings.bending, reserve=ROUNDING)

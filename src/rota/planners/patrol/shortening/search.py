@@ -127,13 +127,22 @@ def shortened_further(context: Context, found: Repaired, *, left: float = math.i
 def pull_tight(context: Context, found: Repaired) -> Repaired:
     """The plan with its loops bent by linear programs alone, three times as far, over samples that hardly overlap.
 
-    The plan given where that is no better.
+    Legs share these samples, and it takes more rounds to see all. The plan given where that is no better.
     """
     if context.should_stop():
         return found
-    shortening = replace(context.settings.shortening, bending_steps=3 * context.settings.shortening.bending_steps)
-    settings = replace(context.settings, shortening=shortening)
-    own = replace(context, problem=with_little_overlap(context.problem), settings=settings)
+    settings = context.settings.shortening
+    shortening = replace(
+        settings,
+        rounds=2 * settings.rounds,
+        bending_steps=3 * settings.bending_steps,
+        bending=replace(settings.bending, shares=True),
+    )
+    own = replace(
+        context,
+        problem=with_little_overlap(context.problem),
+        settings=replace(context.settings, shortening=shortening),
+    )
     tighter = repair_for_length(own, found.tours, found.tours)
     return tighter if is_better(tighter, found, fewest_turns=False) else found
 
@@ -182,13 +191,16 @@ def repair_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> R
     """The tours after repairs by linear programs for which every metre counts; met or not.
 
     old: those that they are to be shorter than; once they are too long the repair ends. Tours are bent a hundredth of
-    the reach beyond what they miss, and go on while they are 0.2 % over their budgets.
+    the reach beyond what they miss, a third of that where legs share, which takes more rounds. They go on while they
+    are 0.2 % over their budgets.
     """
-    settings = context.settings.shortening
+    settings, usual = context.settings.shortening, context.settings.repair
+    closely = settings.bending.shares
     repair = replace(
-        context.settings.repair,
-        bending_steps=settings.bending_steps, bend=0.01,
-        over_budget_limit=0.002, detours_first=context.problem.lanes_overlap_m > 0,
+        usual,
+        bending_steps=settings.bending_steps,
+        bend=0.003 if closely else 0.01, roomy_bend_growth=0.1 if closely else usual.roomy_bend_growth,
+        over_budget_limit=0.002,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
     return repair_until_feasible(
@@ -267,7 +279,7 @@ def are_seen(problem: Problem, tours: list[Tour], samples: Samples) -> Flags:
     legs, places_m = layout.lay_out_tours(tours, LONGEST_LEG * problem.reach_m)
     further_m = float(samples.shrink_m.max(initial=0.0))
     sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
-    return np.asarray(sightings.range_deficit_m <= samples.shrink_m)
+    return np.asarray(sightings.range_deficit_m[:, 0] <= samples.shrink_m)
 
 
 def reaches(problem: Problem) -> float:

@@ -196,6 +196,20 @@ def test_what_others_nearly_see_is_handed_over_by_who_has_nothing_to_spare(field
     assert (alone.tours[0].vertices_m == before).all()
 
 
+def test_two_lanes_move_aside_together(field: Problem) -> None:
+    # no gap between what they see may open, but what one leaves the other can come to
+    r = sight_m(field)
+    left, right = 30 - 0.99 * r, 30 + 0.99 * r
+    between = [[x, y] for x in np.arange(30 - r, 30 + r, 0.1) for y in np.arange(10, 51, 0.5)]
+    samples = samples_at(field, [*between, *([left - r - 0.25, y] for y in np.arange(10, 51, 5))])[1]
+    lanes = tour(field, [[left, 10], [left, 50], [right, 50], [right, 10]])
+    short = replace(BENDING, length_weight=1.0, range_weight=20.0, least_gain=1e-6, shares=True)
+    search = Bending(field, [lanes], samples, short)  # type: ignore[arg-type]
+    search.run(60, should_stop=lambda: False)
+    layout, places = lay_out_tours(search.tours, 10.0)
+    assert (look(field, layout, places, samples) < field.range_margin_m).all()
+
+
 def test_nobody_leaves_the_space() -> None:
     problem = problem_of(box(20, 20, 40, 40))
     # the short way leads through the obstacle, and everything pulls there
@@ -224,7 +238,7 @@ def test_who_sees_what_by_brute_force() -> None:
 
 
 def look(problem: Problem, layout: Layout, places_m: Floats, samples: object) -> Floats:
-    return sightings(layout, places_m, samples, range_margin_m=0.0, further_m=1.0).range_deficit_m  # type: ignore[arg-type]
+    return sightings(layout, places_m, samples, range_margin_m=0.0, further_m=1.0).range_deficit_m[:, 0]  # type: ignore[arg-type]
 
 
 def brute_lack(problem: Problem, begun: Tour, xy_m: Floats, square: bool) -> Floats:

@@ -139,10 +139,12 @@ def sightings(
     range_margin_m: float,
     further_m: float,
     handicap_m: Floats | float = 0.0,
+    most: int = 1,
 ) -> Sightings:
     """Who sees which sample, the vertices at these places (n, 2); ``further_m``: how far beyond reach is looked.
 
     handicap_m: by how much more range to spare a leg of each tour (k,) must see a sample than others do, to have it.
+    most: legs of each sample that are told.
     """
     handicap_m = np.broadcast_to(handicap_m, len(layout.tours))
     robots = [tour.robot for tour in layout.tours]
@@ -153,7 +155,7 @@ def sightings(
     of_tour = layout.tour[driven.leg]
     legs = SensingLegs(driven.ends_m, period_class[of_tour], reach_m[of_tour], square[of_tour])
     n = len(samples.x)
-    best = Sightings(np.empty(n, dtype=np.int64), np.empty(n), np.empty(n))
+    best = Sightings(np.empty((n, most), dtype=np.int64), np.empty((n, most)), np.empty((n, most)))
     room = 1024
     while best_sightings(legs, further_m, samples, np.empty(room, dtype=np.int32), best):
         room *= 2

@@ -12,6 +12,7 @@ from rota.model.arrays import Flags, Floats, Ints
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
+from rota.planners.patrol.repair.bending.share_kernels import share_out
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.tolerances import HAIR_M
 
@@ -129,32 +130,47 @@ def range_rows(
 ) -> Rows:
     """How much farther away each sample may get that a step could lose or gain: one with less than ``near_m`` to spare.
 
-    Each is left to the leg that sees it best, from where that sees it.
+    Each is left to the leg that sees it best, from where that sees it. Where others are told beside that one, those of
+    discs that see it as well but for ``near_m`` share it, see ``share_out``.
     """
-    near = np.flatnonzero((sightings.leg >= 0) & (sightings.range_deficit_m > -near_m))
-    a, b, t = layout.start[sightings.leg[near]], layout.end[sightings.leg[near]], sightings.at[near]
-    here_m = (1 - t)[:, None] * places_m[a] + t[:, None] * places_m[b]
-    away_m = here_m - np.column_stack([samples.x[near], samples.y[near]])
-    spare_m = -sightings.range_deficit_m[near]
+    near = np.flatnonzero((sightings.leg[:, 0] >= 0) & (sightings.range_deficit_m[:, 0] > -near_m))
+    legs, at, deficit_m = sightings.leg[near], sightings.at[near], sightings.range_deficit_m[near]
+    a, b, is_visit = layout.start[legs], layout.end[legs], samples.visit_m[near] > 0
+    here_m = (1 - at)[..., None] * places_m[a] + at[..., None] * places_m[b]
+    away_m = here_m - np.column_stack([samples.x[near], samples.y[near]])[:, None]
     if square:
-        # both coordinates are limited, each on its own; but for visits, which are within a circle
-        wide = np.tile(samples.visit_m[near] == 0, 2)
-        sides_m = np.abs(away_m)
-        spare_m = np.concatenate([spare_m + sides_m.max(axis=1) - sides_m[:, axis] for axis in (0, 1)])
-        round_m = np.concatenate([-sightings.range_deficit_m[near], np.full(len(near), np.inf)])
-        spare_m = np.where(wide, spare_m, round_m)
-        along_m = np.vstack([away_m * [1, 0], away_m * [0, 1]])
-        away_m = np.where(wide[:, None], along_m, np.tile(away_m, (2, 1)))
-        keep = spare_m < near_m
-        a, b, t, away_m, spare_m = (
-            np.tile(a, 2)[keep],
-            np.tile(b, 2)[keep],
-            np.tile(t, 2)[keep],
-            away_m[keep],
-            spare_m[keep],
-        )
-    towards = away_m / np.maximum(np.hypot(*away_m.T), 1e-12)[:, None]
-    return Rows(rows_along(towards, a, b, t, len(places_m)), spare_m - HAIR_M)
+        return square_rows(a[:, 0], b[:, 0], at[:, 0], away_m[:, 0], -deficit_m[:, 0], is_visit, len(places_m), near_m)
+    towards = away_m / np.maximum(np.hypot(away_m[..., 0], away_m[..., 1]), 1e-12)[..., None]
+    if at.shape[1] == 1:
+        along = rows_along(towards[:, 0], a[:, 0], b[:, 0], at[:, 0], len(places_m))
+        return Rows(along, -deficit_m[:, 0] - HAIR_M)
+    weights, rivals = np.zeros(at.shape), deficit_m < deficit_m[:, :1] + near_m
+    share_out(np.where(rivals, deficit_m, np.inf), towards, is_visit, weights)
+    row, which = np.nonzero(weights)
+    share = weights[row, which]
+    moved = rows_along(
+        share[:, None] * towards[row, which], a[row, which], b[row, which], at[row, which], len(places_m)
+    )
+    of_sample = csr_array((np.ones(len(row)), (row, np.arange(len(row)))), shape=(len(near), len(row)))
+    spare_m = -np.bincount(row, share * deficit_m[row, which], minlength=len(near)).astype(np.float64)
+    return Rows(csr_array(of_sample @ moved), spare_m - HAIR_M)
+
+
+def square_rows(
+    a: Ints, b: Ints, t: Floats, away_m: Floats, spare_m: Floats, is_visit: Flags, n: int, near_m: float
+) -> Rows:
+    """The rows of samples (r,) for squares: both coordinates are limited, each on its own; visits are in a circle."""
+    wide = np.tile(~is_visit, 2)
+    sides_m = np.abs(away_m)
+    round_m = np.concatenate([spare_m, np.full(len(a), np.inf)])
+    spare_m = np.concatenate([spare_m + sides_m.max(axis=1) - sides_m[:, axis] for axis in (0, 1)])
+    spare_m = np.where(wide, spare_m, round_m)
+    along_m = np.vstack([away_m * [1, 0], away_m * [0, 1]])
+    away_m = np.where(wide[:, None], along_m, np.tile(away_m, (2, 1)))
+    keep = spare_m < near_m
+    towards = away_m[keep] / np.maximum(np.hypot(*away_m[keep].T), 1e-12)[:, None]
+    along = rows_along(towards, np.tile(a, 2)[keep], np.tile(b, 2)[keep], np.tile(t, 2)[keep], n)
+    return Rows(along, spare_m[keep] - HAIR_M)
 
 
 def rows_along(towards: Floats, a: Ints, b: Ints, t: Floats, n: int) -> csr_array:

@@ -82,7 +82,7 @@ class Bending:
     @property
     def far_samples(self) -> Ints:
         """The numbers of the samples that no leg comes near."""
-        return np.flatnonzero(self._sightings.leg < 0)
+        return np.flatnonzero(self._sightings.leg[:, 0] < 0)
 
     def run(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
         """Take at most so many steps."""
@@ -118,7 +118,9 @@ class Bending:
         clearances, fixed = self._border.clearances(layout, places_m, near_m)
         step = best_step(
             layout, places_m, self._settings,
-            range_rows(layout, places_m, self._sightings, self._samples, square=self._square, near_m=near_m),
+            range_rows(
+                layout, places_m, self._sightings, self._samples, square=self._square, near_m=near_m,
+            ),
             clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve,
         )  # fmt: skip
         if step is None or self._cost - step.cost < self._worth:
@@ -140,6 +142,7 @@ class Bending:
             self._layout, places_m, self._samples,
             range_margin_m=self._problem.range_margin_m,
             further_m=MOST_DEFICIT * self._reach_m, handicap_m=self._handicap_m,
+            most=3 if self._settings.shares else 1,  # in the plane what is farthest from all lies between three
         )  # fmt: skip
 
     @property
@@ -151,7 +154,7 @@ class Bending:
         layout, settings = self._layout, self._settings
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
-        deficit_m = np.clip(sightings.range_deficit_m, 0.0, MOST_DEFICIT * self._reach_m).sum()
+        deficit_m = np.clip(sightings.range_deficit_m[:, 0], 0.0, MOST_DEFICIT * self._reach_m).sum()
         length_m = settings.length_weight * lengths_m.sum()
         return float(BUDGET_PENALTY * over_m + settings.range_weight * deficit_m + length_m)
 

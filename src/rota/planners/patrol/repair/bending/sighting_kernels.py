@@ -1,4 +1,4 @@
-"""Compiled loops: for every sample the leg that sees it with most to spare, and from where."""
+"""Compiled loops: for every sample the legs that see it with most to spare, and from where."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ class SensingLegs(NamedTuple):
 
 
 class Sightings(NamedTuple):
-    """For every sample (n,) the leg that sees it with most range to spare, or -1, and the place on it (0 to 1).
+    """For every sample the legs (n, c) that see it with most range to spare, the best first, and from where (0 to 1).
 
-    range_deficit_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all
-    legs.
+    range_deficit_m (n, c): by how much range is short; less than 0 where the sample is seen. Where fewer legs come near
+    it is inf, and the leg is -1.
     """
 
     leg: Ints
@@ -121,8 +121,17 @@ def clear_sighting(line: Line, near: float, reach_m: float, square: int, i: int,
 
 
 @allocation_free
+def meets_at_its_end(leg: Ints, at: Floats, i: int, k: int) -> bool:
+    """Whether the leg before leg k sees sample i from its end, which is where k begins."""
+    meets = False
+    for c in range(leg.shape[1]):
+        meets = meets or (leg[i, c] == k - 1 and at[i, c] == 1)
+    return meets
+
+
+@allocation_free
 def best_sightings(legs: SensingLegs, further_m: float, s: Samples, runs: Any, best: Sightings) -> int:
-    """Write for every sample (n,) the leg and the place from which it is seen with most range to spare.
+    """Write for every sample the legs (n, c) and the places from which it is seen with most range to spare.
 
     further_m: legs count from which a sample would be in range if sensors reached so much further. runs: (r,) scratch.
     Returns -1 when ``runs`` is too short for what one leg sees, otherwise 0.
@@ -130,8 +139,10 @@ def best_sightings(legs: SensingLegs, further_m: float, s: Samples, runs: Any, b
     xs, ys, visit, shrink, wall_start = s.x, s.y, s.visit_m, s.shrink_m, s.wall_start
     leg, at, deficit = best.leg, best.at, best.range_deficit_m
     ends, reach, square = legs.ends_m, legs.reach_m, legs.square
+    last = leg.shape[1] - 1
     for i in range(leg.shape[0]):
-        leg[i], at[i], deficit[i] = -1, 0.0, math.inf
+        for c in range(last + 1):
+            leg[i, c], at[i, c], deficit[i, c] = -1, 0.0, math.inf
     for k in range(ends.shape[0]):
         ax, ay, bx, by = ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3]
         dx, dy = bx - ax, by - ay
@@ -146,12 +157,16 @@ def best_sightings(legs: SensingLegs, further_m: float, s: Samples, runs: Any, b
                     wide, limit = 0, visit[i]
                 t = nearest_parameter(px, py, dx, dy, wide)
                 short = range_at(px, py, dx, dy, t, wide) - limit
-                if short >= deficit[i]:
+                if short >= deficit[i, last]:
                     continue
                 if visit[i] == 0 and wall_start[i] < wall_start[i + 1]:
                     # never nearer than where walls are left aside
                     t = clear_sighting(Line(px, py, dx, dy), t, reach[k] + further_m, wide, i, s)
                     short = range_at(px, py, dx, dy, t, wide) - limit
-                if short < deficit[i]:
-                    leg[i], at[i], deficit[i] = k, t, short
+                if short < deficit[i, last] and not (t == 0 and meets_at_its_end(leg, at, i, k)):
+                    c = last
+                    while c > 0 and short < deficit[i, c - 1]:
+                        leg[i, c], at[i, c], deficit[i, c] = leg[i, c - 1], at[i, c - 1], deficit[i, c - 1]
+                        c -= 1
+                    leg[i, c], at[i, c], deficit[i, c] = k, t, short
     return 0
